@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+# make setup | demo | test | check | format | bench | exact-hits | fingerprint | clean
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+MAKEFLAGS += --no-print-directory
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := setup
+
+SYSTEM_PACKAGES := cmake g++ libembree-dev libgtest-dev libimath-dev libmurmurhash-dev libtbb-dev \
+    libxxhash-dev ninja-build python3-dev python3-venv
+CHECK_PACKAGES := clang-format
+BENCH_PACKAGES := libllvm19
+
+VENV := .venv
+BUILD := build/release# as in pyproject.toml
+PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
+
+.PHONY: setup build system-packages test test-cpp test-python check format demo bench exact-hits \
+    fingerprint clean
+
+## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
+setup: $(VENV)/.built
+build: setup
+
+system-packages:
+	@.ci/tools/install-system-packages $(SYSTEM_PACKAGES)
+
+$(VENV)/pyvenv.cfg: | system-packages
+	@.ci/tools/make-venv $(VENV)
+
+$(VENV)/.dependencies: $(VENV)/pyvenv.cfg pyproject.toml .ci/constraints.txt
+	@echo "Installing Python packages into $(VENV)"
+	@$(PIP) --requirement <($(VENV)/bin/python .ci/tools/python-dependencies dev)
+	@touch $@
+
+# Directories are listed too: their time changes when a file comes or goes.
+$(VENV)/.built: $(VENV)/.dependencies $(shell find cpp) | system-packages
+	@echo "Building irt"
+	@$(PIP) --no-build-isolation --no-deps --editable .
+	@touch $@
+
+test: test-cpp test-python
+
+$(BUILD)/.tests-built: $(VENV)/.built $(shell find tests/cpp)
+	@echo "Building the C++ tests"
+	@cmake -S cpp -B $(BUILD) -D IRT_BUILD_TESTS=ON >$(BUILD)/configure.log
+	@cmake --build $(BUILD)
+	@touch $@
+
+test-cpp: $(BUILD)/.tests-built
+	@ctest --test-dir $(BUILD) --output-on-failure --progress
+
+test-python: setup
+	@$(VENV)/bin/pytest
+
+CPP_FILES = $(shell find cpp tests/cpp -name '*.h' -o -name '*.cpp')
+check: setup
+	@.ci/tools/install-system-packages $(CHECK_PACKAGES)
+	@clang-format --dry-run --Werror $(CPP_FILES)
+	@$(VENV)/bin/ruff format --check
+	@$(VENV)/bin/ruff check
+	@$(VENV)/bin/mypy
+
+format: setup
+	@.ci/tools/install-system-packages $(CHECK_PACKAGES)
+	@clang-format -i $(CPP_FILES)
+	@$(VENV)/bin/ruff format
+	@$(VENV)/bin/ruff check --fix
+
+DEMO := shots/demo/chess.usda --size 960x540 --samples 4
+demo: setup
+	@rm -rf out/demo && mkdir -p out/demo
+	@$(VENV)/bin/irt render $(DEMO) --output out/demo/beauty.####.exr --stats out/demo/stats.jsonl
+	@$(VENV)/bin/irt contact-sheet out/demo/contact_sheet.png out/demo/beauty.*.exr
+	@$(VENV)/bin/irt verify $(DEMO) --json out/demo/verify.json
+	@echo "Frames: out/demo/beauty.*.exr   all at a glance: out/demo/contact_sheet.png"
+	@echo "Verdict: every frame equals a full trace of it, bit for bit (out/demo/verify.json)."
+
+bench: setup
+	@.ci/tools/install-system-packages $(BENCH_PACKAGES)
+	@$(PIP) --requirement <($(VENV)/bin/python .ci/tools/python-dependencies bench)
+	@$(VENV)/bin/python -m shots.bench.make_bench build/bench
+	@DRJIT_LIBLLVM_PATH="$$(ls /usr/lib/*/libLLVM.so.19* | head -n 1)" $(VENV)/bin/irt bench trace
+
+exact-hits: $(BUILD)/.tests-built
+	@$(BUILD)/exact_hits
+
+fingerprint: setup
+	@$(VENV)/bin/irt fingerprint
+
+clean:
+	rm -rf build out $(VENV)

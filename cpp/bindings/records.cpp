@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "irt/scene/change_set.h"
+
+namespace irt::bindings {
+
+namespace {
+
+using MeshPointer = std::shared_ptr<Mesh>;
+using PrototypePointer = std::shared_ptr<Prototype>;
+using Triple = std::array<double, 3>;
+
+Interpolation interpolation_named(const std::string& name) {
+    if (name == "constant") return Interpolation::Constant;
+    if (name == "uniform") return Interpolation::Uniform;
+    if (name == "vertex") return Interpolation::Vertex;
+    if (name == "faceVarying") return Interpolation::FaceVarying;
+    throw py::value_error("normals_interpolation '" + name +
+                          "' is none of constant, uniform, vertex, faceVarying");
+}
+
+MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& counts,
+                      const Array<std::int32_t>& indices,
+                      const std::optional<Array<float>>& normals, const std::string& interpolation,
+                      bool left_handed, bool single_sided) {
+    auto mesh = std::make_shared<Mesh>();
+    mesh->points = vectors(points, "points");
+    mesh->face_vertex_counts = integers(counts, "face_vertex_counts");
+    mesh->face_vertex_indices = integers(indices, "face_vertex_indices");
+    if (normals) {
+        mesh->normals = vectors(*normals, "normals");
+        mesh->normals_interpolation = interpolation_named(interpolation);
+    }
+    mesh->left_handed = left_handed;
+    mesh->single_sided = single_sided;
+    return mesh;
+}
+
+Geometry geometry(const py::handle& object) {
+    if (py::isinstance<Quadric>(object)) return object.cast<Quadric>();
+    if (py::isinstance<Mesh>(object))
+        return std::shared_ptr<const Mesh>(object.cast<MeshPointer>());
+    if (py::isinstance<Prototype>(object))
+        return std::shared_ptr<const Prototype>(object.cast<PrototypePointer>());
+    throw py::type_error("geometry must be a Quadric, a Mesh or a Prototype");
+}
+
+PrototypePointer make_prototype(const py::sequence& parts) {
+    auto prototype = std::make_shared<Prototype>();
+    for (const py::handle part : parts) {
+        const auto [name, shape, transform, material] =
+            part.cast<std::tuple<std::string, py::object, Array<double>, std::string>>();
+        prototype->parts.push_back({name, geometry(shape), matrix(transform), material});
+    }
+    return prototype;
+}
+
+Quadric quadric(QuadricKind kind, double Quadric::*first, double a,
+                double Quadric::*second = nullptr, double b = 0) {
+    Quadric q;
+    q.kind = kind;
+    q.*first = a;
+    if (second) q.*second = b;
+    return q;
+}
+
+void bind_geometry(py::module_& module) {
+    py::class_<Quadric>(module, "Quadric")
+        .def_static(
+            "sphere", [](double r) { return quadric(QuadricKind::Sphere, &Quadric::radius, r); },
+            py::arg("radius"))
+        .def_static(
+            "cube", [](double s) { return quadric(QuadricKind::Cube, &Quadric::size, s); },
+            py::arg("size"))
+        .def_static(
+            "cylinder",
+            [](double r, double h) {
+                return quadric(QuadricKind::Cylinder, &Quadric::radius, r, &Quadric::height, h);
+            },
+            py::arg("radius"), py::arg("height"))
+        .def_static(
+            "cone",
+            [](double r, double h) {
+                return quadric(QuadricKind::Cone, &Quadric::radius, r, &Quadric::height, h);
+            },
+            py::arg("radius"), py::arg("height"))
+        .def_static(
+            "capsule",
+            [](double r, double h) {
+                return quadric(QuadricKind::Capsule, &Quadric::radius, r, &Quadric::height, h);
+            },
+            py::arg("radius"), py::arg("height"))
+        .def_static(
+            "plane",
+            [](double w, double l) {
+                return quadric(QuadricKind::Plane, &Quadric::width, w, &Quadric::length, l);
+            },
+            py::arg("width"), py::arg("length"));
+    py::class_<Mesh, MeshPointer>(module, "Mesh")
+        .def(py::init(&make_mesh), py::arg("points"), py::arg("face_vertex_counts"),
+             py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
+             py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
+             py::arg("single_sided") = false);
+    py::class_<Prototype, PrototypePointer>(module, "Prototype")
+        .def(py::init(&make_prototype), py::arg("parts"));
+}
+
+Material make_material(const Triple& diffuse, const Triple& emissive, const Triple& specular,
+                       bool specular_workflow, float metallic, float roughness, float opacity,
+                       float opacity_threshold, float ior) {
+    return {vec3f(diffuse),    vec3f(emissive),   vec3f(specular),
+            specular_workflow, metallic,          roughness,
+            opacity,           opacity_threshold, ior};
+}
+
+void bind_material(py::module_& module) {
+    const Material d;
+    const auto triple = [](const V3f& v) {
+        return Triple{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    };
+    py::class_<Material>(module, "Material")
+        .def(py::init(&make_material), py::kw_only(),
+             py::arg("diffuse_color") = triple(d.diffuse_color),
+             py::arg("emissive_color") = triple(d.emissive_color),
+             py::arg("specular_color") = triple(d.specular_color),
+             py::arg("use_specular_workflow") = d.use_specular_workflow,
+             py::arg("metallic") = d.metallic, py::arg("roughness") = d.roughness,
+             py::arg("opacity") = d.opacity, py::arg("opacity_threshold") = d.opacity_threshold,
+             py::arg("ior") = d.ior);
+}
+
+void bind_light_and_camera(py::module_& module) {
+    py::class_<Light>(module, "Light")
+        .def_static(
+            "distant",
+            [](const Triple& direction, const Triple& irradiance, bool shadows) {
+                Light light;
+                light.kind = LightKind::Distant;
+                light.direction = vec3d(direction);
+                light.energy = vec3f(irradiance);
+                light.casts_shadows = shadows;
+                return light;
+            },
+            py::arg("direction"), py::arg("irradiance"), py::arg("casts_shadows") = true)
+        .def_static(
+            "point",
+            [](const Triple& position, const Triple& intensity, bool shadows) {
+                Light light;
+                light.kind = LightKind::Point;
+                light.position = vec3d(position);
+                light.energy = vec3f(intensity);
+                light.casts_shadows = shadows;
+                return light;
+            },
+            py::arg("position"), py::arg("intensity"), py::arg("casts_shadows") = true);
+    py::class_<Camera>(module, "Camera")
+        .def(py::init([](const Array<double>& world_from_camera,
+                         const std::array<double, 4>& window, bool orthographic) {
+                 return Camera{matrix(world_from_camera), orthographic, window};
+             }),
+             py::arg("world_from_camera"), py::arg("window"), py::arg("orthographic") = false);
+}
+
+}  // namespace
+
+void bind_records(py::module_& module) {
+    bind_geometry(module);
+    bind_material(module);
+    bind_light_and_camera(module);
+    py::class_<ChangeSet>(module, "ChangeSet")
+        .def(py::init<>())
+        .def(
+            "set_object",
+            [](ChangeSet& c, const std::string& path, const py::object& shape,
+               const Array<double>& world_from_object, const std::string& material) {
+                c.objects[path] = Object{geometry(shape), matrix(world_from_object), material};
+            },
+            py::arg("path"), py::arg("geometry"), py::arg("world_from_object"),
+            py::arg("material") = "")
+        .def(
+            "remove_object", [](ChangeSet& c, const std::string& path) { c.objects[path].reset(); },
+            py::arg("path"))
+        .def(
+            "set_material",
+            [](ChangeSet& c, const std::string& name, const Material& m) { c.materials[name] = m; },
+            py::arg("name"), py::arg("material"))
+        .def(
+            "remove_material",
+            [](ChangeSet& c, const std::string& name) { c.materials[name].reset(); },
+            py::arg("name"))
+        .def(
+            "set_light",
+            [](ChangeSet& c, const std::string& path, const Light& l) { c.lights[path] = l; },
+            py::arg("path"), py::arg("light"))
+        .def(
+            "remove_light", [](ChangeSet& c, const std::string& path) { c.lights[path].reset(); },
+            py::arg("path"))
+        .def_property_readonly("empty", &ChangeSet::empty);
+}
+
+}  // namespace irt::bindings

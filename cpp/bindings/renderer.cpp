@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/renderer.h"
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <future>
+
+#include "arrays.h"
+
+namespace irt::bindings {
+
+namespace {
+
+using Progress = std::function<void(double)>;
+
+film::Aov aov_or_throw(const std::string& name) {
+    if (const auto aov = film::aov_named(name)) return *aov;
+    throw py::value_error("unknown AOV '" + name + "'");
+}
+
+ViewSettings make_settings(int width, int height, int samples, int max_depth,
+                           double throughput_cutoff, double mirror_roughness,
+                           const std::vector<std::string>& aovs) {
+    ViewSettings settings;
+    settings.width = width;
+    settings.height = height;
+    settings.samples = samples;
+    settings.shade = {max_depth, throughput_cutoff, mirror_roughness};
+    for (const std::string& name : aovs) settings.aovs.push_back(aov_or_throw(name));
+    return settings;
+}
+
+std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings& settings,
+                                        const std::optional<std::array<double, 3>>& render_origin,
+                                        const std::string& isa, int threads, bool history,
+                                        const std::optional<cells::CellOrder>& cell_order) {
+    RendererOptions options;
+    const M44d& m = camera.world_from_camera;
+    options.render_origin = render_origin ? vec3d(*render_origin) : V3d(m[3][0], m[3][1], m[3][2]);
+    options.isa = isa;
+    options.threads = threads;
+    options.history = history;
+    if (cell_order) {
+        std::array<bool, cells::cell_count> seen{};
+        for (const int cell : *cell_order) {
+            if (cell < 0 || cell >= cells::cell_count || seen[static_cast<std::size_t>(cell)])
+                throw py::value_error("cell_order must be a permutation of range(64)");
+            seen[static_cast<std::size_t>(cell)] = true;
+        }
+        options.cell_order = *cell_order;
+    }
+    return std::make_unique<Renderer>(camera, settings, options);
+}
+
+py::dict statistics(const UpdateReport& report) {
+    update::UpdateCounts sum;
+    py::list cell_rays;
+    for (const update::UpdateCounts& cell : report.cells) {
+        sum += cell;
+        cell_rays.append(cell.rays.rays());
+    }
+    const shade::Counts& rays = sum.rays;
+    using py::literals::operator""_a;
+    return py::dict(
+        "restart"_a =
+            report.restart.empty() ? py::object(py::none()) : py::object(py::str(report.restart)),
+        "rays"_a = py::dict("primary"_a = rays.primary, "reflected"_a = rays.reflected,
+                            "refracted"_a = rays.refracted, "shadow"_a = rays.shadow),
+        "all_rays"_a = report.all_rays, "flagged_rays"_a = sum.flagged,
+        "tested_rays"_a = sum.tested, "retraced_rays"_a = sum.retraced,
+        "changed_rays"_a = sum.changed, "new_rays"_a = sum.new_rays,
+        "whole_scene_rays"_a = sum.whole_scene, "nodes_traversed"_a = sum.nodes_traversed,
+        "intersections"_a = rays.queries.candidates, "shadings"_a = rays.shadings,
+        "history_bytes"_a = report.history_bytes,
+        "seconds"_a =
+            py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
+                     "trace"_a = report.trace_seconds,
+                     "total"_a = report.apply_seconds + report.bvh_seconds + report.trace_seconds),
+        "cells"_a = py::dict("rays"_a = cell_rays));
+}
+
+/// Runs the update beside the interpreter's thread, which goes on to poll signals and report.
+UpdateReport run_update(Renderer& renderer, const ChangeSet& changes,
+                        const std::optional<Camera>& camera,
+                        const std::optional<Progress>& progress) {
+    constexpr std::chrono::milliseconds poll{50};
+    cells::Control control;
+    auto running =
+        std::async(std::launch::async, [&] { return renderer.update(changes, camera, control); });
+    bool interrupted = false;
+    for (auto state = std::future_status::timeout; state != std::future_status::ready;) {
+        if (!interrupted) {
+            interrupted = PyErr_CheckSignals() != 0;
+            // Not before the first step: until then the update may not have begun.
+            if (!interrupted && progress && control.steps_done > 0) {
+                try {
+                    (*progress)(control.progress());
+                } catch (py::error_already_set& error) {
+                    error.restore();
+                    interrupted = true;
+                }
+            }
+            if (interrupted) control.stop = true;
+        }
+        const py::gil_scoped_release release;
+        state = running.wait_for(poll);
+    }
+    UpdateReport report = running.get();
+    if (interrupted) throw py::error_already_set();
+    return report;
+}
+
+/// A read-only view of `data`, kept alive by `owner`.
+template <class T>
+py::array film_array(const py::object& owner, const T* data, std::vector<py::ssize_t> shape) {
+    py::array_t<T> array(std::move(shape), data, owner);
+    array.attr("flags").attr("writeable") = false;
+    return array;
+}
+
+py::array aov_array(const py::object& self, const std::string& name) {
+    const film::Film& film = self.cast<const Renderer&>().film();
+    const film::Aov aov = aov_or_throw(name);
+    if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
+    const py::ssize_t height = film.height(), width = film.width();
+    if (aov == film::Aov::Depth) return film_array(self, film.depth(), {height, width});
+    if (aov == film::Aov::ObjectId) return film_array(self, film.object_id(), {height, width});
+    return film_array(self, &film.vectors(aov)->x, {height, width, 3});
+}
+
+py::dict pixel_values(const Renderer& renderer, int x, int y) {
+    const film::Film& film = renderer.film();
+    if (x < 0 || y < 0 || x >= film.width() || y >= film.height())
+        throw py::index_error("no such pixel");
+    const film::PixelValue value = renderer.brute_force_pixel(x, y);
+    const auto vector = [](const V3f& v) { return py::array_t<float>(3, &v.x); };
+    py::dict out;
+    out["beauty"] = py::array_t<float>(4, value.rgba);
+    if (film.has(film::Aov::Depth)) out["depth"] = py::array_t<float>(1, &value.depth);
+    if (film.has(film::Aov::Normal)) out["normal"] = vector(value.normal);
+    if (film.has(film::Aov::Position)) out["position"] = vector(value.position);
+    if (film.has(film::Aov::Albedo)) out["albedo"] = vector(value.albedo);
+    if (film.has(film::Aov::ObjectId))
+        out["objectId"] = py::array_t<std::uint32_t>(1, &value.object_id);
+    return out;
+}
+
+}  // namespace
+
+void bind_renderer(py::module_& module) {
+    const ViewSettings d;
+    py::class_<ViewSettings>(module, "ViewSettings")
+        .def(py::init(&make_settings), py::arg("width"), py::arg("height"),
+             py::arg("samples") = d.samples, py::arg("max_depth") = d.shade.max_depth,
+             py::arg("throughput_cutoff") = d.shade.throughput_cutoff,
+             py::arg("mirror_roughness") = d.shade.mirror_roughness,
+             py::arg("aovs") = std::vector<std::string>{});
+    py::class_<Renderer>(module, "Renderer")
+        .def(py::init(&make_renderer), py::arg("camera"), py::arg("settings"), py::kw_only(),
+             py::arg("render_origin") = py::none(), py::arg("isa") = "avx2", py::arg("threads") = 0,
+             py::arg("history") = true, py::arg("cell_order") = py::none())
+        .def(
+            "update",
+            [](Renderer& renderer, const ChangeSet& changes, const std::optional<Camera>& camera,
+               const std::optional<Progress>& progress) {
+                return statistics(run_update(renderer, changes, camera, progress));
+            },
+            py::arg("changes"), py::arg("camera") = py::none(), py::arg("on_progress") = py::none())
+        .def("beauty",
+             [](const py::object& self) {
+                 const film::Film& film = self.cast<const Renderer&>().film();
+                 return film_array(self, film.beauty(), {film.height(), film.width(), 4});
+             })
+        .def("aov", &aov_array, py::arg("name"))
+        .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"));
+}
+
+}  // namespace irt::bindings

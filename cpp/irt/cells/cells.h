@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 64 cells: fixed, interleaved shares of the pixels, after the paper's 64 processors
+// (section 5; DESIGN 6).
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+namespace irt::cells {
+
+inline constexpr int cell_count = 64;
+inline constexpr int cell_stride = 8;
+
+/// Column and row, within each 8x8 block of the full frame, of the pixels of cell `k`: pixel (x, y)
+/// belongs to cell (x mod 8) + 8 (y mod 8).
+struct CellOffset {
+    int x, y;
+};
+constexpr CellOffset cell_offset(int k) { return {k % cell_stride, k / cell_stride}; }
+
+/// A host's hold on a running update; written and read from any thread.
+struct Control {
+    std::atomic<bool> stop = false;  ///< set to stop the update at its next step
+    std::atomic<int> steps_done = 0, steps = 1;
+
+    [[nodiscard]] double progress() const { return static_cast<double>(steps_done) / steps; }
+};
+
+/// A permutation of the cells: the order in which they are handed out. It shows in no result.
+using CellOrder = std::array<int, cell_count>;
+CellOrder natural_order();
+
+/// Cells that one task runs together. In natural order their pixels are neighbours, so that their
+/// rays meet the same parts of the scene.
+using CellGroup = std::span<const int>;
+
+/// `threads` as asked for, or, where that is 0, all of the machine.
+int thread_count(int threads);
+
+/// Splits the cells into `groups` of as equal a size as can be and runs `body(group)` for each on
+/// `threads` threads (0: all of the machine), every task in IEEE default floating-point state.
+/// Cells share no pixel and no tree.
+void for_each_group(int threads, int groups, const CellOrder& order,
+                    const std::function<void(CellGroup group)>& body);
+
+}  // namespace irt::cells

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/fingerprint.h"
+
+#define XXH_INLINE_ALL
+#include <oneapi/tbb/version.h>
+#include <xxhash.h>
+
+#include <Imath/ImathConfig.h>
+
+#include <cstdio>
+#include <vector>
+
+#include "irt/math/float_state.h"
+#include "irt/math/libm.h"
+#include "irt/renderer.h"
+
+namespace irt {
+
+namespace {
+
+/// Glass, mirror and matt objects of three kinds under two lights: every path of the arithmetic.
+ChangeSet fixed_scene() {
+    ChangeSet changes;
+    Material matt, mirror, glass;
+    matt.diffuse_color = {0.6f, 0.4f, 0.3f};
+    mirror.metallic = 1;
+    mirror.roughness = 0.05f;
+    glass.opacity = 0.15f;
+    glass.diffuse_color = {0.9f, 0.7f, 0.8f};
+    glass.roughness = 0;
+    changes.materials = {{"/matt", matt}, {"/mirror", mirror}, {"/glass", glass}};
+
+    const auto place = [](double x, double y, double z) {
+        M44d m;
+        m[3][0] = x;
+        m[3][1] = y;
+        m[3][2] = z;
+        return m;
+    };
+    Quadric sphere, cone;
+    cone.kind = QuadricKind::Cone;
+    auto ground = std::make_shared<Mesh>();
+    ground->points = {{-9, -1, -9}, {9, -1, -9}, {9, -1.3f, 9}, {-9, -0.9f, 9}};
+    ground->face_vertex_counts = {4};
+    ground->face_vertex_indices = {3, 2, 1, 0};
+    changes.objects["/ball"] = Object{sphere, place(-1, 0.1, -6), "/mirror"};
+    changes.objects["/cone"] = Object{cone, place(1.2, 0.2, -5), "/glass"};
+    changes.objects["/ground"] = Object{std::shared_ptr<const Mesh>(ground), M44d(), "/matt"};
+
+    Light sun, lamp;
+    sun.direction = {0.3, -1, -0.4};
+    lamp.kind = LightKind::Point;
+    lamp.position = {2, 4, -3};
+    lamp.energy = {20, 18, 15};
+    changes.lights = {{"/sun", sun}, {"/lamp", lamp}};
+    return changes;
+}
+
+}  // namespace
+
+std::string numeric_fingerprint(const std::string& isa) {
+    const FloatState ieee;
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+
+    RendererOptions options;
+    options.isa = isa;
+    options.threads = 1;
+    ViewSettings settings;
+    settings.width = settings.height = 48;
+    settings.samples = 2;
+    settings.aovs = {film::Aov::Depth, film::Aov::Normal, film::Aov::Position};
+    Renderer renderer(Camera{}, settings, options);
+    cells::Control control;
+    renderer.update(fixed_scene(), std::nullopt, control);
+    const film::Film& film = renderer.film();
+    const std::size_t pixels = 48 * 48;
+    XXH3_64bits_update(&state, film.beauty(), pixels * 4 * sizeof(float));
+    XXH3_64bits_update(&state, film.depth(), pixels * sizeof(float));
+    XXH3_64bits_update(&state, film.vectors(film::Aov::Normal), pixels * sizeof(V3f));
+    XXH3_64bits_update(&state, film.vectors(film::Aov::Position), pixels * sizeof(V3f));
+
+    std::vector<double> values;
+    for (int i = 1; i <= 1024; ++i) {
+        values.push_back(libm::log2(i / 1024.0));
+        values.push_back(libm::exp2(-i / 37.0));
+    }
+    XXH3_64bits_update(&state, values.data(), values.size() * sizeof(double));
+
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx",
+                  static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
+    return text;
+}
+
+std::map<std::string, std::string> versions() {
+    return {{"irt", IRT_VERSION},
+            {"Embree", trace::embree_version()},
+            {"TBB", std::to_string(TBB_VERSION_MAJOR) + "." + std::to_string(TBB_VERSION_MINOR)},
+            {"Imath", IMATH_VERSION_STRING},
+            {"compiler", __VERSION__}};
+}
+
+}  // namespace irt

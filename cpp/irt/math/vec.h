@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector and matrix types of the core. Vectors are rows: a point is transformed as `p * m`,
+// as in Imath and USD, and a matrix named `a_from_b` takes points of space b to space a.
+#pragma once
+
+#include <Imath/ImathMatrix.h>
+#include <Imath/ImathVec.h>
+
+namespace irt {
+
+using V2d = Imath::V2d;
+using V3f = Imath::V3f;
+using V3d = Imath::V3d;
+using M44d = Imath::M44d;
+
+/// The direction `v` (not a point: no translation) under the affine matrix `m`.
+inline V3d transform_direction(const M44d& m, const V3d& v) {
+    return {v.x * m[0][0] + v.y * m[1][0] + v.z * m[2][0],
+            v.x * m[0][1] + v.y * m[1][1] + v.z * m[2][1],
+            v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
+}
+
+/// The point `p` under the affine matrix `m`; no division by w.
+inline V3d transform_point(const M44d& m, const V3d& p) {
+    return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
+            p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
+            p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
+}
+
+/// A normal of space b taken to space a, where `b_from_a` is the inverse of the point transform.
+inline V3d transform_normal(const M44d& b_from_a, const V3d& n) {
+    return {n.x * b_from_a[0][0] + n.y * b_from_a[0][1] + n.z * b_from_a[0][2],
+            n.x * b_from_a[1][0] + n.y * b_from_a[1][1] + n.z * b_from_a[1][2],
+            n.x * b_from_a[2][0] + n.y * b_from_a[2][1] + n.z * b_from_a[2][2]};
+}
+
+}  // namespace irt

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/renderer.h"
+
+#include <chrono>
+#include <stdexcept>
+
+#include "irt/scene/equality.h"
+#include "irt/update/make_plan.h"
+
+namespace irt {
+
+namespace {
+
+class Stopwatch {
+  public:
+    /// Seconds since construction or the last call.
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const std::chrono::duration<double> elapsed = now - start_;
+        start_ = now;
+        return elapsed.count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Holds `flag` up; throws if it is up already.
+class Exclusive {
+  public:
+    explicit Exclusive(std::atomic<bool>& flag) : flag_(flag) {
+        if (flag_.exchange(true)) throw std::logic_error("an update is running already");
+    }
+    ~Exclusive() { flag_ = false; }
+    Exclusive(const Exclusive&) = delete;
+    Exclusive& operator=(const Exclusive&) = delete;
+
+  private:
+    std::atomic<bool>& flag_;
+};
+
+}  // namespace
+
+Renderer::Renderer(const Camera& camera, const ViewSettings& settings,
+                   const RendererOptions& options)
+    : Renderer(FloatState(), camera, settings, options) {}
+
+Renderer::Renderer(const FloatState& /*while_constructing*/, const Camera& camera,
+                   const ViewSettings& settings, const RendererOptions& options)
+    : options_(options),
+      scene_(options.render_origin),
+      intersector_(options.isa, options.threads),
+      view_(camera, settings, options.render_origin) {}
+
+UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Camera>& camera,
+                              cells::Control& control) {
+    const FloatState ieee;
+    const Exclusive exclusive(updating_);
+    UpdateReport report;
+    Stopwatch watch;
+    const bool camera_changed = camera && !same(*camera, view_.camera());
+    const bool first = scene_.version() == 0 && !film_is_current_;
+    const std::vector<LightSlot> old_lights = scene_.lights();
+    if (camera_changed) View::check(*camera);
+    const AppliedChanges applied = scene_.apply(changes);
+    if (camera_changed) view_.set_camera(*camera);
+    report.apply_seconds = watch.lap();
+    report.all_rays = film_rays_;
+    const bool was_current = film_is_current_;
+    if (was_current && applied.empty() && !camera_changed) return report;
+
+    // Whatever throws from here on leaves the film to be made anew, and the trees to catch up.
+    film_is_current_ = false;
+    std::vector<trace::Box> old_footprints = update::footprints(intersector_, applied.geometry);
+    uncommitted_.insert(uncommitted_.end(), applied.geometry.begin(), applied.geometry.end());
+    if (!uncommitted_.empty() || first) intersector_.commit(scene_, uncommitted_);
+    uncommitted_.clear();
+    report.bvh_seconds = watch.lap();
+
+    report.traced = true;
+    if (was_current && !camera_changed && view_.has_history()) {
+        const update::Plan plan =
+            update::make_plan(scene_, intersector_, applied, std::move(old_footprints), old_lights);
+        view_.update(scene_, intersector_, plan, options_.threads, options_.cell_order,
+                     report.cells);
+        film_is_current_ = true;
+    } else {
+        if (!first)
+            report.restart = camera_changed ? "camera changed"
+                             : !was_current ? "the last update did not end"
+                                            : "no history is kept";
+        film_is_current_ = (view_.*(options_.history ? &View::trace_and_record : &View::trace_all))(
+            scene_, intersector_, options_.threads, options_.cell_order, control, report.cells);
+        report.stopped = !film_is_current_;
+    }
+    if (view_.has_history()) {
+        film_rays_ = view_.history_rays();
+        report.history_bytes = view_.history_bytes();
+    } else {
+        film_rays_ = 0;
+        for (const update::UpdateCounts& cell : report.cells) film_rays_ += cell.rays.rays();
+    }
+    report.all_rays = film_rays_;
+    report.trace_seconds = watch.lap();
+    return report;
+}
+
+film::PixelValue Renderer::brute_force_pixel(int x, int y) const {
+    return view_.brute_force_pixel(scene_, x, y);
+}
+
+}  // namespace irt

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The facade: one scene, its trees, and a view of it.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "irt/math/float_state.h"
+#include "irt/scene/scene.h"
+#include "irt/trace/intersector.h"
+#include "irt/view.h"
+
+namespace irt {
+
+struct RendererOptions {
+    V3d render_origin{0, 0, 0};  ///< world
+    std::string isa = "avx2";
+    int threads = 0;      ///< 0: all of the machine
+    bool history = true;  ///< false: every update that changes anything is a full trace
+    cells::CellOrder cell_order = cells::natural_order();
+};
+
+/// What an update did. `restart` says why the update is an initial step, and is empty where it is
+/// none, or the first.
+struct UpdateReport {
+    std::string restart;
+    bool traced = false;  ///< false: nothing had changed, the film stands
+    bool stopped = false;
+    std::uint64_t all_rays = 0;  ///< that make up the film
+    std::size_t history_bytes = 0;
+    double apply_seconds = 0, bvh_seconds = 0, trace_seconds = 0;
+    CellReports cells;
+};
+
+class Renderer {
+  public:
+    Renderer(const Camera& camera, const ViewSettings& settings, const RendererOptions& options);
+
+    /// Applies `changes` and `camera` and brings the film up to them. An update that changes
+    /// nothing traces nothing. Throws std::invalid_argument on records that cannot be rendered;
+    /// nothing is then applied. A stopped update leaves the last whole film; the next one makes up
+    /// for it. Throws std::logic_error if called while an update runs.
+    UpdateReport update(const ChangeSet& changes, const std::optional<Camera>& camera,
+                        cells::Control& control);
+
+    [[nodiscard]] const film::Film& film() const { return view_.film(); }
+    [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y) const;
+
+  private:
+    Renderer(const FloatState& while_constructing, const Camera& camera,
+             const ViewSettings& settings, const RendererOptions& options);
+
+    RendererOptions options_;
+    Scene scene_;
+    trace::Intersector intersector_;
+    View view_;
+    std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
+    bool film_is_current_ = false;
+    std::atomic<bool> updating_ = false;
+    std::uint64_t film_rays_ = 0;
+};
+
+}  // namespace irt

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/scene/compile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "irt/math/libm.h"
+#include "irt/scene/polygon.h"
+
+namespace irt {
+
+namespace {
+
+/// Condition beyond which an inverse has no correct digit left in the float positions it serves.
+constexpr double max_condition = 1e14;
+
+/// Least determinant, as a share of the product of the rows' or the columns' lengths (Hadamard's
+/// bound), at which an inverse is good to 1e-7: what a judge then accepts lies within the boxes
+/// that Embree is handed. A matrix of rank 1 passes the condition above: its cofactors are rounding
+/// noise.
+constexpr double min_independence = 1e-9;
+
+/// Products and inverses of affine matrices, as exporters write them, leave their last column by a
+/// few ulp; it is not read.
+constexpr double affine_tolerance = 1e-9;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+    throw std::invalid_argument(path + ": " + what);
+}
+
+double largest_entry(const M44d& m) {
+    double largest = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) largest = std::max(largest, std::fabs(m[i][j]));
+    return largest;
+}
+
+std::size_t expected_normals(const Mesh& mesh) {
+    switch (mesh.normals_interpolation) {
+        case Interpolation::None:
+            return 0;
+        case Interpolation::Constant:
+            return 1;
+        case Interpolation::Uniform:
+            return mesh.face_vertex_counts.size();
+        case Interpolation::Vertex:
+            return mesh.points.size();
+        case Interpolation::FaceVarying:
+            return mesh.face_vertex_indices.size();
+    }
+    return 0;
+}
+
+void check(const Mesh& mesh, const std::string& path) {
+    std::size_t corners = 0;
+    for (const std::int32_t count : mesh.face_vertex_counts) {
+        if (count < 0) refuse(path, "faceVertexCounts has a negative entry");
+        corners += static_cast<std::size_t>(count);
+    }
+    if (corners != mesh.face_vertex_indices.size())
+        refuse(path, "sum of faceVertexCounts " + std::to_string(corners) +
+                         " is not the size of faceVertexIndices " +
+                         std::to_string(mesh.face_vertex_indices.size()));
+    for (const std::int32_t index : mesh.face_vertex_indices)
+        if (index < 0 || static_cast<std::size_t>(index) >= mesh.points.size())
+            refuse(path, "faceVertexIndices names point " + std::to_string(index) + " of " +
+                             std::to_string(mesh.points.size()));
+    if (mesh.normals.size() != expected_normals(mesh))
+        refuse(path, "normals has " + std::to_string(mesh.normals.size()) + " entries, expected " +
+                         std::to_string(expected_normals(mesh)));
+    const auto finite = [](const V3f& v) {
+        return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    };
+    if (!std::all_of(mesh.points.begin(), mesh.points.end(), finite))
+        refuse(path, "points has a NaN or infinite entry");
+    if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), finite))
+        refuse(path, "normals has a NaN or infinite entry");
+}
+
+void check(const Quadric& q, const std::string& path) {
+    for (const double length : {q.radius, q.height, q.size, q.width, q.length})
+        if (!(length > 0) || !std::isfinite(length))
+            refuse(path, "radius, height, size, width and length must be positive and finite");
+}
+
+}  // namespace
+
+M44d checked_inverse(const M44d& m, const std::string& path) {
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            if (!std::isfinite(m[i][j])) refuse(path, "transform has a NaN or infinite entry");
+    if (std::max({std::fabs(m[0][3]), std::fabs(m[1][3]), std::fabs(m[2][3]),
+                  std::fabs(m[3][3] - 1)}) > affine_tolerance)
+        refuse(path, "transform is not affine (its last column must be 0 0 0 1)");
+    // Cofactors of the 3x3 part; the translation follows.
+    M44d inverse;
+    double determinant = 0;
+    for (int i = 0; i < 3; ++i) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        for (int j = 0; j < 3; ++j) {
+            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            inverse[j][i] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
+        }
+        determinant +=
+            i == 0 ? m[0][0] * inverse[0][0] + m[0][1] * inverse[1][0] + m[0][2] * inverse[2][0]
+                   : 0;
+    }
+    const double adjugate = largest_entry(inverse);
+    double rows = 1, columns = 1;
+    for (int i = 0; i < 3; ++i) {
+        rows *= V3d(m[i][0], m[i][1], m[i][2]).length();
+        columns *= V3d(m[0][i], m[1][i], m[2][i]).length();
+    }
+    if (determinant == 0 || !std::isfinite(determinant) ||
+        std::fabs(determinant) < min_independence * std::min(rows, columns) ||
+        largest_entry(m) * adjugate > max_condition * std::fabs(determinant))
+        refuse(path, "transform is singular");
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) inverse[i][j] /= determinant;
+    const V3d t = transform_direction(inverse, {m[3][0], m[3][1], m[3][2]});
+    for (int j = 0; j < 3; ++j) {
+        inverse[3][j] = -t[j];
+        inverse[j][3] = 0;
+    }
+    inverse[3][3] = 1;
+    return inverse;
+}
+
+std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& mesh,
+                                             const M44d& trace_from_shape,
+                                             const std::string& path) {
+    check(*mesh, path);
+    auto out = std::make_shared<Triangles>();
+    out->mesh = mesh;
+    out->points.reserve(mesh->points.size());
+    for (const V3f& p : mesh->points)
+        out->points.emplace_back(V3f(transform_point(trace_from_shape, V3d(p))));
+    for (const V3f& p : out->points)
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            refuse(path, "points leave the range of single precision under the transform");
+
+    // The authored front stays the front: a mirroring transform reverses the winding it is seen by.
+    const V3d x{trace_from_shape[0][0], trace_from_shape[0][1], trace_from_shape[0][2]};
+    const V3d y{trace_from_shape[1][0], trace_from_shape[1][1], trace_from_shape[1][2]};
+    const V3d z{trace_from_shape[2][0], trace_from_shape[2][1], trace_from_shape[2][2]};
+    const bool reverse = mesh->left_handed != (x.cross(y).dot(z) < 0);
+
+    std::uint32_t first = 0;
+    for (std::uint32_t face = 0; face < mesh->face_vertex_counts.size(); ++face) {
+        const auto count = static_cast<std::uint32_t>(mesh->face_vertex_counts[face]);
+        for (std::array<std::uint32_t, 3> corners : triangulate_polygon(*mesh, first, count)) {
+            if (reverse) std::swap(corners[1], corners[2]);
+            std::array<std::uint32_t, 3> vertices{};
+            for (std::size_t c = 0; c < 3; ++c)
+                vertices[c] = static_cast<std::uint32_t>(mesh->face_vertex_indices[corners[c]]);
+            out->triangles.push_back(vertices);
+            out->corners.push_back(corners);
+            out->faces.push_back(face);
+        }
+        first += count;
+    }
+    return out;
+}
+
+Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
+                        std::uint32_t material, const std::string& path) {
+    Surface surface;
+    surface.trace_from_shape = trace_from_shape;
+    surface.shape_from_trace = checked_inverse(trace_from_shape, path);
+    surface.material = material;
+    if (const auto* quadric = std::get_if<Quadric>(&geometry)) {
+        check(*quadric, path);
+        surface.quadric = *quadric;
+    } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&geometry)) {
+        surface.triangles = triangulate(*mesh, trace_from_shape, path);
+    } else {
+        refuse(path, "a prototype's parts must be meshes or quadrics");
+    }
+    return surface;
+}
+
+std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prototype,
+                                                           const MaterialIndex& material,
+                                                           const std::string& path) {
+    auto out = std::make_shared<CompiledPrototype>();
+    for (const Part& part : prototype.parts)
+        out->surfaces.push_back(compile_surface(part.geometry, part.prototype_from_part,
+                                                material(part.material), path + "/" + part.name));
+    return out;
+}
+
+float effective_opacity(const Material& material) {
+    if (material.opacity_threshold > 0)
+        return material.opacity >= material.opacity_threshold ? 1.0f : 0.0f;
+    return std::clamp(material.opacity, 0.0f, 1.0f);
+}
+
+trace::OpticalDepth shadow_depth(const Material& material) {
+    const double through = 1.0 - static_cast<double>(effective_opacity(material));
+    trace::OpticalDepth depth;
+    for (int c = 0; c < 3; ++c) {
+        // A cut-out (threshold) is absent, not tinted.
+        const double tint =
+            material.opacity_threshold > 0
+                ? 1.0
+                : std::clamp(static_cast<double>(material.diffuse_color[c]), 0.0, 1.0);
+        const double steps = std::round(-trace::depth_scale * libm::log2(through * tint));
+        depth.rgb[c] =
+            steps < trace::depth_opaque ? static_cast<std::uint32_t>(steps) : trace::depth_opaque;
+    }
+    return depth;
+}
+
+}  // namespace irt

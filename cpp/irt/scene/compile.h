@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records made ready for tracing: done here once, for every front end alike (DESIGN 2).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "irt/scene/scene.h"
+
+namespace irt {
+
+using MaterialIndex = std::function<std::uint32_t(const std::string& name)>;
+
+/// The inverse of an affine matrix. Throws std::invalid_argument, beginning with `path`, where `m`
+/// is not finite, not affine, or singular to working precision.
+M44d checked_inverse(const M44d& m, const std::string& path);
+
+/// Cuts the polygons of `mesh` into triangles, positions taken to trace space in double and then
+/// narrowed. Throws std::invalid_argument, beginning with `path`, on broken topology or values.
+std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& mesh,
+                                             const M44d& trace_from_shape, const std::string& path);
+
+/// `geometry` must not be a prototype.
+Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
+                        std::uint32_t material, const std::string& path);
+
+std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prototype,
+                                                           const MaterialIndex& material,
+                                                           const std::string& path);
+
+/// Share of light a primitive of this material lets through to shadow rays: (1 - opacity) times
+/// diffuse colour, as optical depth (docs/shading.md).
+trace::OpticalDepth shadow_depth(const Material& material);
+
+/// Opacity after UsdPreviewSurface's opacityThreshold: with a threshold, 0 or 1.
+float effective_opacity(const Material& material);
+
+}  // namespace irt

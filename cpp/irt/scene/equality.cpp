@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/scene/equality.h"
+
+#include "irt/math/bits.h"
+
+namespace irt {
+
+namespace {
+
+bool same(const Prototype& a, const Prototype& b) {
+    if (a.parts.size() != b.parts.size()) return false;
+    for (std::size_t i = 0; i < a.parts.size(); ++i) {
+        const Part &p = a.parts[i], &q = b.parts[i];
+        if (p.name != q.name || p.material != q.material ||
+            !same_bits(p.prototype_from_part, q.prototype_from_part) ||
+            !same(p.geometry, q.geometry))
+            return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+bool same(const Quadric& a, const Quadric& b) {
+    return a.kind == b.kind && same_bits(a.radius, b.radius) && same_bits(a.height, b.height) &&
+           same_bits(a.size, b.size) && same_bits(a.width, b.width) &&
+           same_bits(a.length, b.length);
+}
+
+bool same(const Mesh& a, const Mesh& b) {
+    return a.normals_interpolation == b.normals_interpolation && a.left_handed == b.left_handed &&
+           a.single_sided == b.single_sided && same_bits(a.points, b.points) &&
+           same_bits(a.face_vertex_counts, b.face_vertex_counts) &&
+           same_bits(a.face_vertex_indices, b.face_vertex_indices) &&
+           same_bits(a.normals, b.normals);
+}
+
+bool same(const Geometry& a, const Geometry& b) {
+    if (a.index() != b.index()) return false;
+    return std::visit(
+        [&b](const auto& x) {
+            const auto& y = std::get<std::decay_t<decltype(x)>>(b);
+            if constexpr (std::is_same_v<std::decay_t<decltype(x)>, Quadric>)
+                return same(x, y);
+            else
+                return x == y || same(*x, *y);
+        },
+        a);
+}
+
+bool same(const Material& a, const Material& b) {
+    return same_bits(a.diffuse_color, b.diffuse_color) &&
+           same_bits(a.emissive_color, b.emissive_color) &&
+           same_bits(a.specular_color, b.specular_color) &&
+           a.use_specular_workflow == b.use_specular_workflow &&
+           same_bits(a.metallic, b.metallic) && same_bits(a.roughness, b.roughness) &&
+           same_bits(a.opacity, b.opacity) && same_bits(a.opacity_threshold, b.opacity_threshold) &&
+           same_bits(a.ior, b.ior);
+}
+
+bool same(const Light& a, const Light& b) {
+    return a.kind == b.kind && same_bits(a.direction, b.direction) &&
+           same_bits(a.position, b.position) && same_bits(a.energy, b.energy) &&
+           a.casts_shadows == b.casts_shadows;
+}
+
+bool same(const Camera& a, const Camera& b) {
+    return same_bits(a.world_from_camera, b.world_from_camera) &&
+           a.orthographic == b.orthographic && same_bits(a.window, b.window);
+}
+
+}  // namespace irt

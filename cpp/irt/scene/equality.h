@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether two records are the same to the bit; only then is an edit no change.
+#pragma once
+
+#include "irt/scene/records.h"
+
+namespace irt {
+
+bool same(const Quadric& a, const Quadric& b);
+bool same(const Mesh& a, const Mesh& b);
+bool same(const Geometry& a, const Geometry& b);
+bool same(const Material& a, const Material& b);
+bool same(const Light& a, const Light& b);
+bool same(const Camera& a, const Camera& b);
+
+}  // namespace irt

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is rendered, as plain records. Front ends (the Python reader, the Hydra delegate) fill these
+// and hand them over in a ChangeSet; the core knows nothing of USD.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "irt/math/vec.h"
+
+namespace irt {
+
+/// A quadric (or another exact convex solid of UsdGeom) in its own space, its axis along z.
+enum class QuadricKind : std::uint8_t { Sphere, Cube, Cylinder, Cone, Capsule, Plane };
+
+/// Lengths are in object units; the kinds use: Sphere radius; Cube size; Cylinder, Cone and Capsule
+/// radius and height (of the capsule: without its caps); Plane width (x) and length (y).
+/// All solids are centred on the origin; a cone's apex is at z = +height/2.
+struct Quadric {
+    QuadricKind kind = QuadricKind::Sphere;
+    double radius = 1, height = 2, size = 2, width = 2, length = 2;
+};
+
+enum class Interpolation : std::uint8_t { None, Constant, Uniform, Vertex, FaceVarying };
+
+/// A polygon mesh as authored (object space). `normals` has one entry per whatever
+/// `normals_interpolation` says; None means facets.
+struct Mesh {
+    std::vector<V3f> points;
+    std::vector<std::int32_t> face_vertex_counts;
+    std::vector<std::int32_t> face_vertex_indices;
+    std::vector<V3f> normals;
+    Interpolation normals_interpolation = Interpolation::None;
+    bool left_handed = false;
+    bool single_sided = false;  ///< authored doubleSided = false: back faces do not exist
+};
+
+struct Prototype;
+
+using Geometry =
+    std::variant<Quadric, std::shared_ptr<const Mesh>, std::shared_ptr<const Prototype>>;
+
+/// One part of a prototype: geometry (never another prototype) placed in the prototype's space.
+struct Part {
+    std::string name;
+    Geometry geometry;
+    M44d prototype_from_part;
+    std::string material;
+};
+
+/// Geometry shared by instances.
+struct Prototype {
+    std::vector<Part> parts;
+};
+
+/// An object of the scene. Its name is its prim path (DESIGN 3, rule 2).
+struct Object {
+    Geometry geometry;
+    M44d world_from_object;
+    std::string material;  ///< unused for an instance: its parts name their own
+};
+
+/// UsdPreviewSurface's constants, its defaults (scene-linear RGB).
+struct Material {
+    V3f diffuse_color{0.18f, 0.18f, 0.18f};
+    V3f emissive_color{0, 0, 0};
+    V3f specular_color{0, 0, 0};
+    bool use_specular_workflow = false;
+    float metallic = 0;
+    float roughness = 0.5f;
+    float opacity = 1;
+    float opacity_threshold = 0;
+    float ior = 1.5f;
+};
+
+/// A delta light. `energy` is irradiance at normal incidence for a distant light and radiant
+/// intensity for a point light, in scene-linear RGB.
+enum class LightKind : std::uint8_t { Distant, Point };
+struct Light {
+    LightKind kind = LightKind::Distant;
+    V3d direction{0, 0, -1};  ///< world space, the way the light travels (Distant)
+    V3d position{0, 0, 0};    ///< world space (Point)
+    V3f energy{1, 1, 1};
+    bool casts_shadows = true;
+};
+
+/// A camera. Camera space looks along -z, y up. `window` is (left, right, bottom, top) of the image
+/// on the plane z = -1 (perspective) or in camera units (orthographic).
+struct Camera {
+    M44d world_from_camera;
+    bool orthographic = false;
+    std::array<double, 4> window{-1, 1, -1, 1};
+};
+
+}  // namespace irt

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/scene/scene.h"
+
+#include <murmurhash.h>
+
+#include <set>
+#include <stdexcept>
+
+#include "irt/math/bits.h"
+#include "irt/scene/compile.h"
+#include "irt/scene/equality.h"
+
+namespace irt {
+
+namespace {
+
+std::uint32_t path_hash(const std::string& path) {
+    std::uint32_t hash[1];
+    lmmh_x86_32(path.data(), static_cast<unsigned>(path.size()), 0, hash);
+    return hash[0];
+}
+
+M44d relative_to(const M44d& world_from_object, const V3d& origin) {
+    M44d m = world_from_object;
+    for (int a = 0; a < 3; ++a) m[3][a] -= origin[a];
+    return m;
+}
+
+bool is_instance(const Object& object) {
+    return std::holds_alternative<std::shared_ptr<const Prototype>>(object.geometry);
+}
+
+bool same_shape(const Object& a, const Object& b) {
+    return same(a.geometry, b.geometry) && same_bits(a.world_from_object, b.world_from_object);
+}
+
+}  // namespace
+
+/// A change set made ready: all that can be refused has been.
+struct Scene::Prepared {
+    SlotOf material_slots;                                       ///< as they will be
+    std::set<std::string> materials;                             ///< those that will be live
+    std::vector<std::pair<std::string, ObjectSlot>> objects;     ///< added, moved or reshaped
+    std::vector<std::pair<std::uint32_t, std::string>> rebound;  ///< slot, material name
+    std::vector<std::uint32_t> removed;
+    std::map<std::shared_ptr<const Prototype>, std::shared_ptr<const CompiledPrototype>> prototypes;
+};
+
+Scene::Scene(const V3d& render_origin) : render_origin_(render_origin) {}
+
+ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepared& prepared) const {
+    const auto material = [&](const std::string& name) {
+        if (!prepared.materials.contains(name))
+            throw std::invalid_argument(path + ": no material named '" + name + "'");
+        return prepared.material_slots.at(name);
+    };
+    const M44d render_from_object = relative_to(record.world_from_object, render_origin_);
+    ObjectSlot slot;
+    slot.live = true;
+    slot.path = path;
+    slot.id = path_hash(path);
+    slot.record = record;
+    if (!is_instance(record)) {
+        slot.surface =
+            compile_surface(record.geometry, render_from_object, material(record.material), path);
+        return slot;
+    }
+    slot.render_from_prototype = render_from_object;
+    slot.prototype_from_render = checked_inverse(render_from_object, path);
+    const auto& source = std::get<std::shared_ptr<const Prototype>>(record.geometry);
+    const auto known = prototypes_.find(source);
+    if (known != prototypes_.end()) slot.prototype = known->second.lock();
+    if (!slot.prototype) {
+        auto& compiled = prepared.prototypes[source];
+        if (!compiled) compiled = compile_prototype(*source, material, path);
+        slot.prototype = compiled;
+    }
+    return slot;
+}
+
+Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
+    Prepared prepared;
+    prepared.material_slots = material_slots_;
+    for (const MaterialSlot& material : materials_)
+        if (material.live) prepared.materials.insert(material.name);
+    std::set<std::uint32_t> removed_materials;
+    for (const auto& [name, record] : changes.materials) {
+        const auto next = static_cast<std::uint32_t>(prepared.material_slots.size());
+        const auto found = prepared.material_slots.find(name);
+        if (record) {
+            prepared.material_slots.try_emplace(name, next);
+            prepared.materials.insert(name);
+        } else if (found != prepared.material_slots.end()) {
+            removed_materials.insert(found->second);
+            prepared.materials.erase(name);
+        }
+    }
+    const auto require_materials = [&](const ObjectSlot& object) {
+        const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
+        for (std::uint32_t p = 0; p < parts; ++p)
+            if (removed_materials.contains(object.part(p).material))
+                throw std::invalid_argument(object.path + ": its material was removed");
+    };
+
+    for (const auto& [path, record] : changes.objects) {
+        const auto found = object_slots_.find(path);
+        const bool live = found != object_slots_.end() && objects_[found->second].live;
+        if (!record) {
+            if (live) prepared.removed.push_back(found->second);
+        } else if (live && same_shape(objects_[found->second].record, *record)) {
+            // An instance's parts name their own.
+            if (!is_instance(*record) &&
+                objects_[found->second].record.material != record->material) {
+                if (!prepared.materials.contains(record->material))
+                    throw std::invalid_argument(path + ": no material named '" + record->material +
+                                                "'");
+                prepared.rebound.emplace_back(found->second, record->material);
+            } else if (!removed_materials.empty()) {
+                require_materials(objects_[found->second]);
+            }
+        } else {
+            prepared.objects.emplace_back(path, compile(path, *record, prepared));
+            if (!removed_materials.empty()) require_materials(prepared.objects.back().second);
+        }
+    }
+
+    if (!removed_materials.empty())
+        for (const ObjectSlot& object : objects_)
+            if (object.live && !changes.objects.contains(object.path)) require_materials(object);
+    return prepared;
+}
+
+AppliedChanges Scene::apply(const ChangeSet& changes) {
+    Prepared prepared = prepare(changes);
+    AppliedChanges applied;
+
+    std::vector<trace::OpticalDepth> depths_before;  // of what is rebound
+    for (const auto& [index, material] : prepared.rebound)
+        depths_before.push_back(materials_[objects_[index].surface.material].shadow_depth);
+
+    material_slots_ = std::move(prepared.material_slots);
+    materials_.resize(material_slots_.size());
+    for (const auto& [name, record] : changes.materials) {
+        const auto found = material_slots_.find(name);
+        if (found == material_slots_.end()) continue;  // removed, and never there
+        MaterialSlot& slot = materials_[found->second];
+        if (!record) {
+            slot.live = false;
+            continue;
+        }
+        if (slot.live && same(slot.record, *record)) continue;
+        const trace::OpticalDepth depth = shadow_depth(*record);
+        // What shows a material that is new is itself new or bound to it now.
+        if (slot.live && !(slot.shadow_depth == depth)) applied.tints.push_back(found->second);
+        slot = {true, name, *record, depth};
+        applied.materials.push_back(found->second);
+    }
+
+    for (auto& [path, slot] : prepared.objects) {
+        const auto [found, added] =
+            object_slots_.try_emplace(path, static_cast<std::uint32_t>(objects_.size()));
+        if (added) objects_.emplace_back();
+        if (slot.prototype)
+            prototypes_[std::get<std::shared_ptr<const Prototype>>(slot.record.geometry)] =
+                slot.prototype;
+        slot.rank = objects_[found->second].rank;
+        objects_[found->second] = std::move(slot);
+        applied.geometry.push_back(found->second);
+    }
+    for (const std::uint32_t index : prepared.removed) {
+        ObjectSlot empty;
+        empty.path = objects_[index].path;
+        objects_[index] = std::move(empty);
+        applied.geometry.push_back(index);
+    }
+    for (std::size_t i = 0; i < prepared.rebound.size(); ++i) {
+        const auto& [index, material] = prepared.rebound[i];
+        ObjectSlot& object = objects_[index];
+        object.record.material = material;
+        object.surface.material = material_slots_.at(material);
+        applied.rebound.push_back(index);
+        if (!(materials_[object.surface.material].shadow_depth == depths_before[i]))
+            applied.retinted.push_back(index);
+    }
+    if (!prepared.objects.empty()) rank_objects();
+    std::erase_if(prototypes_, [](const auto& entry) { return entry.second.expired(); });
+
+    for (const auto& [path, record] : changes.lights) {
+        const auto found = light_records_.find(path);
+        const bool known = found != light_records_.end();
+        if (record ? known && same(found->second, *record) : !known) continue;
+        if (record)
+            light_records_[path] = *record;
+        else
+            light_records_.erase(found);
+        applied.lights.push_back(path);
+    }
+    if (!applied.lights.empty()) order_lights();
+
+    if (!applied.empty()) ++version_;
+    return applied;
+}
+
+/// Ranks only need to order live objects by path, so all paths ever seen are ranked together.
+void Scene::rank_objects() {
+    std::uint32_t rank = 0;
+    for (const auto& [path, index] : object_slots_) objects_[index].rank = rank++;
+}
+
+void Scene::order_lights() {
+    lights_.clear();
+    for (const auto& [path, light] : light_records_)
+        if (light.energy != V3f(0, 0, 0))
+            lights_.push_back({path, path_hash(path), light, light.position - render_origin_});
+}
+
+}  // namespace irt

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene: the records in force, and what tracing and shading read of them. A scene knows no camera
+// and no film; several views may show it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "irt/scene/change_set.h"
+#include "irt/trace/ray.h"
+
+namespace irt {
+
+/// A mesh made ready for tracing, in trace space: render space for an object of its own, the
+/// prototype's space for a part of one. Positions are composed in double and narrowed once.
+struct Triangles {
+    std::shared_ptr<const Mesh> mesh;  ///< the authored one, for normals
+    std::vector<V3f> points;           ///< trace space
+    std::vector<std::array<std::uint32_t, 3>>
+        triangles;  ///< into points; counter-clockwise seen from the front
+    std::vector<std::array<std::uint32_t, 3>> corners;  ///< into mesh->face_vertex_indices
+    std::vector<std::uint32_t> faces;                   ///< face of each triangle
+};
+
+/// One shape of one material.
+struct Surface {
+    Quadric quadric;                             ///< read where `triangles` is null
+    std::shared_ptr<const Triangles> triangles;  ///< null: a quadric
+    M44d trace_from_shape, shape_from_trace;     ///< shape: the authored object or part space
+    std::uint32_t material = 0;                  ///< slot in Scene::materials()
+};
+
+/// The compiled form of a Prototype, shared by its instances.
+struct CompiledPrototype {
+    std::vector<Surface> surfaces;
+};
+
+/// An object's slot. A slot belongs to its path for the life of the scene, so that no history can
+/// mistake one object for another; `live` is false while there is no object of that path.
+struct ObjectSlot {
+    bool live = false;
+    std::string path;
+    std::uint32_t rank = 0;  ///< order of `path` among all paths: ties go to the lower rank
+    std::uint32_t id = 0;    ///< MurmurHash3 (x86, 32 bit) of `path`: what id AOVs show
+    Object record;
+    Surface surface;                                     ///< unless an instance
+    std::shared_ptr<const CompiledPrototype> prototype;  ///< an instance's shapes, else null
+    M44d render_from_prototype, prototype_from_render;   ///< instances
+
+    [[nodiscard]] const Surface& part(std::uint32_t index) const {
+        return prototype ? prototype->surfaces[index] : surface;
+    }
+};
+
+/// A material's slot belongs to its name for the life of the scene.
+struct MaterialSlot {
+    bool live = false;
+    std::string name;
+    Material record;
+    trace::OpticalDepth shadow_depth;  ///< tint of a shadow ray crossing one primitive of it
+};
+
+struct LightSlot {
+    std::string path;
+    std::uint32_t id = 0;
+    Light record;
+    V3d position_render;  ///< render space, double
+};
+
+/// What `Scene::apply` found to differ, record by record and by value.
+struct AppliedChanges {
+    std::vector<std::uint32_t> geometry;   ///< object slots added, removed, moved or reshaped
+    std::vector<std::uint32_t> rebound;    ///< object slots whose material binding alone changed
+    std::vector<std::uint32_t> materials;  ///< material slots whose values changed
+    std::vector<std::string> lights;       ///< lights added, removed or changed, by path
+    std::vector<std::uint32_t> tints;     ///< of `materials`: those that now tint shadows otherwise
+    std::vector<std::uint32_t> retinted;  ///< of `rebound`: objects that now tint shadows otherwise
+    [[nodiscard]] bool empty() const {
+        return geometry.empty() && rebound.empty() && materials.empty() && lights.empty();
+    }
+};
+
+class Scene {
+  public:
+    /// `render_origin`: world position that becomes the origin of render space (DESIGN 5).
+    explicit Scene(const V3d& render_origin);
+
+    /// Applies `changes`; a record equal to the one in force is no change.
+    /// Throws std::invalid_argument, naming the path, on records that cannot be rendered
+    /// (singular or non-finite transforms, indices out of range, an unknown material); nothing is
+    /// then applied.
+    AppliedChanges apply(const ChangeSet& changes);
+
+    [[nodiscard]] const V3d& render_origin() const { return render_origin_; }
+    [[nodiscard]] const std::vector<ObjectSlot>& objects() const { return objects_; }
+    [[nodiscard]] const std::vector<MaterialSlot>& materials() const { return materials_; }
+    /// In path order, lights of no energy left out (DESIGN 3, rule 3).
+    [[nodiscard]] const std::vector<LightSlot>& lights() const { return lights_; }
+    /// Counts applied change sets that changed anything.
+    [[nodiscard]] std::uint64_t version() const { return version_; }
+
+  private:
+    struct Prepared;
+    [[nodiscard]] Prepared prepare(const ChangeSet& changes) const;
+    [[nodiscard]] ObjectSlot compile(const std::string& path, const Object& record,
+                                     Prepared& prepared) const;
+    void rank_objects();
+    void order_lights();
+
+    using SlotOf = std::map<std::string, std::uint32_t>;
+    V3d render_origin_;
+    std::vector<ObjectSlot> objects_;
+    SlotOf object_slots_;
+    std::vector<MaterialSlot> materials_;
+    SlotOf material_slots_;
+    std::map<std::string, Light> light_records_;
+    std::vector<LightSlot> lights_;
+    std::map<std::shared_ptr<const Prototype>, std::weak_ptr<const CompiledPrototype>> prototypes_;
+    std::uint64_t version_ = 0;
+};
+
+}  // namespace irt

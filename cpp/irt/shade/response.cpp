@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/shade/response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "irt/scene/compile.h"
+
+namespace irt::shade {
+
+namespace {
+
+const V3d one{1, 1, 1};
+
+V3d mix(const V3d& a, const V3d& b, double t) { return a * (1 - t) + b * t; }
+
+V3d mirrored(const V3d& direction, const V3d& normal) {
+    return direction - normal * (2 * direction.dot(normal));
+}
+
+/// Snell's law; `eta` is the index of the near side over that of the far side. Zero on total
+/// internal reflection.
+V3d refracted(const V3d& direction, const V3d& normal, double eta) {
+    const double cosine = -direction.dot(normal);
+    const double squared = 1 - eta * eta * (1 - cosine * cosine);
+    if (squared <= 0) return {0, 0, 0};
+    return direction * eta + normal * (eta * cosine - std::sqrt(squared));
+}
+
+}  // namespace
+
+Response make_response(const Material& material, double mirror_roughness) {
+    Response r;
+    const V3d color(material.diffuse_color);
+    r.opacity = static_cast<double>(effective_opacity(material));
+    r.invisible = material.opacity_threshold > 0 && r.opacity == 0;
+    r.ior = static_cast<double>(material.ior);
+    r.emission = r.invisible ? V3d(0, 0, 0) : V3d(material.emissive_color);
+    const auto roughness = static_cast<double>(material.roughness);
+    r.alpha = std::max(roughness * roughness, min_alpha);
+    r.mirror = roughness <= mirror_roughness;
+    if (material.use_specular_workflow) {
+        r.f0 = V3d(material.specular_color);
+        r.f90 = one;
+        r.diffuse = color * r.opacity;
+    } else {
+        const auto metallic = static_cast<double>(material.metallic);
+        const double s = (1 - r.ior) / (1 + r.ior);
+        r.f90 = mix(one, color, metallic);
+        r.f0 = mix(r.f90 * (s * s), r.f90, metallic);
+        r.diffuse = color * (r.opacity * (1 - metallic));
+    }
+    return r;
+}
+
+V3d fresnel(const Response& response, double c) {
+    const double m = std::clamp(1 - c, 0.0, 1.0);
+    const double m2 = m * m;
+    return mix(response.f0, response.f90, m2 * m2 * m);
+}
+
+V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_light,
+                    const V3d& to_eye) {
+    const double nl = normal.dot(to_light), ne = normal.dot(to_eye);
+    if (!(nl > 0 && ne > 0)) return {0, 0, 0};
+    V3d half = to_light + to_eye;
+    half /= std::sqrt(half.dot(half));
+    const double nh = std::min(normal.dot(half), 1.0);
+    const double a2 = response.alpha * response.alpha;
+    // GGX distribution, and Smith's height-correlated masking over 4 (n.l) (n.e).
+    const double d = nh * nh * (a2 - 1) + 1;
+    const double distribution = a2 / (std::numbers::pi * d * d);
+    const double visibility =
+        0.5 / (nl * std::sqrt(ne * ne * (1 - a2) + a2) + ne * std::sqrt(nl * nl * (1 - a2) + a2));
+    const V3d f = fresnel(response, std::max(to_eye.dot(half), 0.0));
+    const V3d lambert = response.diffuse * (one - f) * std::numbers::inv_pi;
+    return (lambert + f * (distribution * visibility)) * nl;
+}
+
+Spawned spawn(const Response& response, const V3d& direction, const V3d& shading,
+              const V3d& geometric, bool front) {
+    Spawned out;
+    if (response.invisible) {
+        out.refract_weight = one;
+        out.refract_direction = direction;
+        return out;
+    }
+    const double through = 1 - response.opacity;
+    if (!response.mirror && !(through > 0)) return out;
+    const double cosine = std::max(-direction.dot(shading), 0.0);
+    V3d f = fresnel(response, cosine);
+    bool total = false;
+    if (through > 0) {
+        const double eta = front ? 1 / response.ior : response.ior;
+        V3d bent = refracted(direction, shading, eta);
+        // A shading normal may bend a ray back out of the surface; the geometric one cannot.
+        if (bent != V3d(0, 0, 0) && bent.dot(geometric) >= 0)
+            bent = refracted(direction, geometric, eta);
+        total = bent == V3d(0, 0, 0);
+        if (total) {
+            f = one;
+        } else {
+            // Schlick takes the angle on the thinner side.
+            if (eta > 1) f = fresnel(response, -bent.dot(shading));
+            out.refract_weight = (one - f) * through;
+            out.refract_direction = bent / std::sqrt(bent.dot(bent));
+        }
+    }
+    if (response.mirror || total) {
+        out.reflect_weight = response.mirror ? f : one * through;
+        V3d back = mirrored(direction, shading);
+        if (back.dot(geometric) <= 0) back = mirrored(direction, geometric);
+        out.reflect_direction = back / std::sqrt(back.dot(back));
+    }
+    return out;
+}
+
+}  // namespace irt::shade

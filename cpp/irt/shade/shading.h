@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything between a hit and its share of a pixel that needs no tree: visible points, responses,
+// spawned rays, prices of branches. Pure functions of scene, settings and hit, so that whatever is
+// kept of a ray tree and whatever is recomputed agree to the bit.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "irt/scene/scene.h"
+#include "irt/shade/response.h"
+#include "irt/shade/settings.h"
+#include "irt/trace/intersector.h"
+
+namespace irt::shade {
+
+/// The first surface along a ray, ready to shade.
+struct VisiblePoint {
+    trace::SurfacePoint surface;
+    const Response& response;
+    V3d direction;           ///< unit, of the ray that sees it
+    V3d shading, geometric;  ///< unit normals on the side the ray came from
+};
+
+/// The first visible surface of a sample, for AOVs and coverage.
+struct FirstHit {
+    bool hit = false;
+    V3d position{0, 0, 0};        ///< render space
+    V3f shading_normal{0, 0, 0};  ///< unit, render orientation, on the viewer's side
+    V3f albedo{0, 0, 0};
+    std::uint32_t id = 0;
+};
+
+/// What a light would add at a visible point were nothing in between, at unit energy, and the
+/// shadow ray that tells what is, unless the light casts no shadows.
+struct LightSample {
+    V3d response;
+    std::optional<trace::Ray> shadow_ray;
+};
+
+class Shading {
+  public:
+    Shading(const Scene& scene, const Settings& settings);
+
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+    [[nodiscard]] int max_depth() const { return max_depth_; }
+
+    [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit) const;
+    [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, const trace::Hit& hit) const;
+    /// Empty where the light adds nothing whatever is in between.
+    [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
+                                                          const LightSlot& light) const;
+    /// The shadow ray from a point to a light.
+    [[nodiscard]] trace::Ray shadow_ray(const VisiblePoint& point, const LightSlot& light) const;
+    [[nodiscard]] Spawned spawned(const VisiblePoint& point) const;
+    [[nodiscard]] trace::Ray spawned_ray(const VisiblePoint& point, const V3d& direction) const;
+
+    /// True if a branch of this summed price is traced.
+    [[nodiscard]] bool affordable(std::int64_t cost) const { return cost <= cost_limit_; }
+
+  private:
+    const Scene& scene_;
+    int max_depth_;
+    std::int64_t cost_limit_;
+    std::vector<Response> responses_;  ///< by material slot
+};
+
+/// Share of light that passes along a shadow ray, by channel.
+V3d transmittance(const trace::Occlusion& occlusion);
+
+/// A branch's price: the integer ceil(-16 log2(largest channel of its weight)); weights of 0 have
+/// none. Sums of integers do not depend on where along a path they begin (DESIGN 3, rule 5).
+std::optional<std::int64_t> price(const V3f& weight);
+
+/// sum + weight * term, rounded once to single precision: how a branch joins its node.
+inline V3f add_scaled(const V3f& sum, const V3f& weight, const V3f& term) {
+    return V3f(V3d(sum) + V3d(weight) * V3d(term));
+}
+
+}  // namespace irt::shade

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/shade/whitted.h"
+
+#include <algorithm>
+
+#include "irt/shade/recorder.h"
+#include "irt/trace/brute_force.h"
+
+namespace irt::shade {
+
+Counts& Counts::operator+=(const Counts& other) {
+    primary += other.primary;
+    reflected += other.reflected;
+    refracted += other.refracted;
+    shadow += other.shadow;
+    shadings += other.shadings;
+    queries.nearest += other.queries.nearest;
+    queries.occlusion += other.queries.occlusion;
+    queries.candidates += other.queries.candidates;
+    return *this;
+}
+
+template <class Source>
+Scratch Whitted<Source>::make_scratch() const {
+    Scratch scratch;
+    scratch.columns.resize(lights().size() * (static_cast<std::size_t>(shading_.max_depth()) + 1));
+    return scratch;
+}
+
+template <class Source>
+V3f Whitted<Source>::sample(const trace::Ray& ray, Scratch& scratch) const {
+    scratch.first = {};
+    ++scratch.counts.primary;
+    // The unscaled term, then the lights in path order: each energy times its response.
+    V3d sum(trace(ray, 0, 0, scratch));
+    for (std::size_t l = 0; l < lights().size(); ++l)
+        sum += V3d(lights()[l].record.energy) * V3d(scratch.columns[l]);
+    return V3f(sum);
+}
+
+/// Traces `ray` and everything it spawns. Returns the unscaled term; the lights' columns are left
+/// in this depth's level of the scratch.
+template <class Source>
+V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost,
+                           Scratch& scratch) const {
+    V3f* columns = level(scratch, depth);
+    std::fill(columns, columns + lights().size(), V3f(0, 0, 0));
+    const trace::Hit hit = source_.nearest(ray, scratch.counts.queries);
+    if (!hit) return {0, 0, 0};
+
+    const VisiblePoint point = shading_.visible_point(ray, hit);
+    if (!scratch.first.hit && !point.response.invisible)
+        scratch.first = scratch.surface_wanted ? shading_.first_hit(point, hit) : FirstHit{true};
+    shade_lights(point, columns, scratch);
+    V3f unscaled(point.response.emission);
+    if (depth == shading_.max_depth()) return unscaled;
+    const Spawned rays = shading_.spawned(point);
+    branch(point, rays.reflect_direction, rays.reflect_weight, depth, cost, unscaled,
+           scratch.counts.reflected, scratch);
+    branch(point, rays.refract_direction, rays.refract_weight, depth, cost, unscaled,
+           scratch.counts.refracted, scratch);
+    return unscaled;
+}
+
+/// Traces one branch of the node at `depth` unless it is cut, and adds its cumulative intensity to
+/// the node's.
+template <class Source>
+void Whitted<Source>::branch(const VisiblePoint& point, const V3d& direction, const V3d& weight,
+                             int depth, std::int64_t cost, V3f& unscaled, std::uint64_t& kind,
+                             Scratch& scratch) const {
+    const V3f share(weight);
+    const std::optional<std::int64_t> own = price(share);
+    if (!own || !shading_.affordable(cost + *own)) return;
+    ++kind;
+    const V3f below =
+        trace(shading_.spawned_ray(point, direction), depth + 1, cost + *own, scratch);
+    V3f *columns = level(scratch, depth), *columns_below = level(scratch, depth + 1);
+    for (std::size_t l = 0; l < lights().size(); ++l)
+        columns[l] = add_scaled(columns[l], share, columns_below[l]);
+    unscaled = add_scaled(unscaled, share, below);
+}
+
+/// The unit-energy response of the visible point to each light.
+template <class Source>
+void Whitted<Source>::shade_lights(const VisiblePoint& point, V3f* columns,
+                                   Scratch& scratch) const {
+    ++scratch.counts.shadings;
+    for (std::size_t l = 0; l < lights().size(); ++l) {
+        const std::optional<LightSample> sample = shading_.light_sample(point, lights()[l]);
+        if (!sample) continue;
+        V3d response = sample->response;
+        if (sample->shadow_ray) {
+            ++scratch.counts.shadow;
+            response *=
+                transmittance(source_.occlusion(*sample->shadow_ray, scratch.counts.queries));
+        }
+        columns[l] = V3f(response);
+    }
+}
+
+template class Whitted<trace::Intersector>;
+template class Whitted<trace::BruteForce>;
+template class Whitted<Recorder>;
+
+}  // namespace irt::shade

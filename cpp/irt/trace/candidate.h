@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// How judged candidates compare and combine; shared by the Embree path and its brute-force twin.
+#pragma once
+
+#include <algorithm>
+
+#include "irt/scene/scene.h"
+#include "irt/trace/ray.h"
+
+namespace irt::trace {
+
+/// Replaces `best` if `candidate` is nearer, or as near and first by (rank, part, primitive).
+/// A query starts with best.t at its t_max, object `none`: nothing at that distance is taken.
+inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) {
+    if (candidate.t > best.t) return false;
+    if (candidate.t == best.t) {
+        if (!best) return false;
+        const std::uint32_t rank = scene.objects()[candidate.object].rank,
+                            best_rank = scene.objects()[best.object].rank;
+        if (rank != best_rank             ? rank > best_rank
+            : candidate.part != best.part ? candidate.part > best.part
+                                          : candidate.primitive >= best.primitive)
+            return false;
+    }
+    best = candidate;
+    return true;
+}
+
+/// Adds one occluding primitive; saturation keeps the sum free of order. True once nothing passes.
+inline bool add_occluder(const Scene& scene, std::uint32_t object, std::uint32_t part,
+                         Occlusion& sum) {
+    const Surface& surface = scene.objects()[object].part(part);
+    const OpticalDepth& depth = scene.materials()[surface.material].shadow_depth;
+    bool opaque = true, black = true;
+    for (int c = 0; c < 3; ++c) {
+        opaque = opaque && depth.rgb[c] >= depth_opaque;
+        sum.depth.rgb[c] =
+            std::min(sum.depth.rgb[c] + std::min(depth.rgb[c], depth_opaque), depth_opaque);
+        black = black && sum.depth.rgb[c] == depth_opaque;
+    }
+    if (opaque) sum.blocker = object;
+    return black;
+}
+
+}  // namespace irt::trace

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A view of a scene: camera, film and cells. One scene may carry several.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "irt/cells/cells.h"
+#include "irt/film/film.h"
+#include "irt/scene/scene.h"
+#include "irt/shade/recorder.h"
+#include "irt/shade/settings.h"
+#include "irt/shade/whitted.h"
+#include "irt/trace/intersector.h"
+#include "irt/update/cell_update.h"
+
+namespace irt {
+
+struct ViewSettings {
+    int width = 960, height = 540;
+    int samples = 1;  ///< a pixel
+    shade::Settings shade;
+    std::vector<film::Aov> aovs;
+};
+
+/// What each cell did in an update.
+using CellReports = std::array<update::UpdateCounts, cells::cell_count>;
+
+class View {
+  public:
+    /// Throws std::invalid_argument on sizes, samples or settings out of range.
+    View(const Camera& camera, const ViewSettings& settings, const V3d& render_origin);
+
+    [[nodiscard]] const Camera& camera() const { return camera_; }
+    /// Throws std::invalid_argument on a camera that nothing can be seen through.
+    static void check(const Camera& camera);
+    void set_camera(const Camera& camera);
+
+    /// Traces every pixel and replaces the film, unless stopped: then the last whole film stays and
+    /// the result is false.
+    bool trace_all(const Scene& scene, const trace::Intersector& intersector, int threads,
+                   const cells::CellOrder& order, cells::Control& control, CellReports& reports);
+
+    /// As trace_all, and keeps the history of every ray (the paper's initial step).
+    bool trace_and_record(const Scene& scene, const trace::Intersector& intersector, int threads,
+                          const cells::CellOrder& order, cells::Control& control,
+                          CellReports& reports);
+
+    /// Brings film and history up to `plan` (the paper's incremental update step). Needs a history;
+    /// runs to its end.
+    void update(const Scene& scene, const trace::Intersector& intersector, const update::Plan& plan,
+                int threads, const cells::CellOrder& order, CellReports& reports);
+
+    [[nodiscard]] bool has_history() const { return history_ != nullptr; }
+    /// Rays the film is made of, by the history.
+    [[nodiscard]] std::uint64_t history_rays() const;
+    [[nodiscard]] std::size_t history_bytes() const;
+
+    /// Traces every pixel on the calling thread and appends every ray to `record`;
+    /// the film stands.
+    shade::Counts record(const Scene& scene, const trace::Intersector& intersector,
+                         shade::RayRecord& record) const;
+
+    [[nodiscard]] const film::Film& film() const { return film_; }
+
+    /// One pixel through the brute-force twin.
+    [[nodiscard]] film::PixelValue brute_force_pixel(const Scene& scene, int x, int y) const;
+
+    /// The primary ray of sample `sample` of pixel (x, y).
+    [[nodiscard]] trace::Ray primary_ray(int x, int y, int sample) const;
+
+  private:
+    struct History {
+        history::PathTable table;
+        std::array<history::RayTrees, cells::cell_count> cells;
+    };
+
+    template <class Sample>
+    film::PixelValue pixel(Sample&& sample) const;
+    template <class Source>
+    film::PixelValue traced_pixel(const shade::Whitted<Source>& whitted, int x, int y,
+                                  shade::Scratch& scratch) const;
+    film::PixelValue recorded_pixel(const update::CellUpdate& cell,
+                                    history::NodeIndex first_root) const;
+    V3f recorded_color(const update::CellUpdate& cell, history::NodeIndex first_root) const;
+
+    Camera camera_;
+    ViewSettings settings_;
+    V3d render_origin_;
+    M44d render_from_camera_, camera_from_render_;
+    V3f eye_{0, 0, 0};                 ///< render space
+    std::vector<V2d> sample_offsets_;  ///< within the pixel, [0, 1)
+    film::Film film_, back_;
+    std::unique_ptr<History> history_;
+};
+
+}  // namespace irt

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C++ core: scene records, change sets, tracing. It knows nothing of USD."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vec3 = Sequence[float]
+Axis = Literal["X", "Y", "Z"]
+
+class Quadric:
+    """An exact solid of UsdGeom, centred on the origin of object space; lengths in object units."""
+
+    @staticmethod
+    def sphere(radius: float) -> Quadric: ...
+    @staticmethod
+    def cube(size: float) -> Quadric: ...
+    @staticmethod
+    def cylinder(radius: float, height: float) -> Quadric: ...
+    @staticmethod
+    def cone(radius: float, height: float) -> Quadric: ...
+    @staticmethod
+    def capsule(radius: float, height: float) -> Quadric: ...
+    @staticmethod
+    def plane(width: float, length: float) -> Quadric: ...
+
+class Mesh:
+    """A polygon mesh in object space.
+
+    points (n, 3) float32; face_vertex_counts (f,) int32; face_vertex_indices (c,) int32;
+    normals (k, 3) float32 or None for facets, k as `normals_interpolation` asks.
+    """
+
+    def __init__(
+        self,
+        points: NDArray[np.float32],
+        face_vertex_counts: NDArray[np.int32],
+        face_vertex_indices: NDArray[np.int32],
+        normals: NDArray[np.float32] | None = None,
+        normals_interpolation: Literal["constant", "uniform", "vertex", "faceVarying"] = "vertex",
+        left_handed: bool = False,
+        single_sided: bool = False,
+    ) -> None: ...
+
+class Prototype:
+    """Geometry shared by instances.
+
+    Each part: (name, geometry, prototype_from_part (4, 4) float64, material).
+    """
+
+    def __init__(
+        self, parts: Sequence[tuple[str, Quadric | Mesh, NDArray[np.float64], str]]
+    ) -> None: ...
+
+class Material:
+    """UsdPreviewSurface's constants, with its defaults; colours are scene-linear RGB."""
+
+    def __init__(
+        self,
+        *,
+        diffuse_color: Vec3 = ...,
+        emissive_color: Vec3 = ...,
+        specular_color: Vec3 = ...,
+        use_specular_workflow: bool = False,
+        metallic: float = 0.0,
+        roughness: float = 0.5,
+        opacity: float = 1.0,
+        opacity_threshold: float = 0.0,
+        ior: float = 1.5,
+    ) -> None: ...
+
+class Light:
+    """A delta light; directions and positions in world space, energy scene-linear RGB."""
+
+    @staticmethod
+    def distant(direction: Vec3, irradiance: Vec3, casts_shadows: bool = True) -> Light:
+        """`direction` is the way the light travels; `irradiance` at normal incidence."""
+    @staticmethod
+    def point(position: Vec3, intensity: Vec3, casts_shadows: bool = True) -> Light:
+        """`intensity` is radiant intensity: irradiance is intensity / distance²."""
+
+class Camera:
+    """`window` is (left, right, bottom, top) of the image on camera space's plane z = -1
+    (perspective), or in camera units (orthographic). Camera looks along -z, y up."""
+
+    def __init__(
+        self,
+        world_from_camera: NDArray[np.float64],
+        window: tuple[float, float, float, float],
+        orthographic: bool = False,
+    ) -> None: ...
+
+class ChangeSet:
+    """Edits by name; a record replaces the one of that name, None removes it.
+
+    Matrices are in USD's row-vector convention (`p_world = p_object @ m`), float64 (4, 4).
+    """
+
+    def __init__(self) -> None: ...
+    def set_object(
+        self,
+        path: str,
+        geometry: Quadric | Mesh | Prototype,
+        world_from_object: NDArray[np.float64],
+        material: str = "",
+    ) -> None: ...
+    def remove_object(self, path: str) -> None: ...
+    def set_material(self, name: str, material: Material) -> None: ...
+    def remove_material(self, name: str) -> None: ...
+    def set_light(self, path: str, light: Light) -> None: ...
+    def remove_light(self, path: str) -> None: ...
+    @property
+    def empty(self) -> bool: ...
+
+class ViewSettings:
+    """What a view renders. `samples` a pixel; `max_depth` counts bounces after the primary ray;
+    a branch is cut when its throughput's largest channel falls below about `throughput_cutoff`;
+    surfaces of at most `mirror_roughness` spawn a mirror ray. `aovs` from AOVS."""
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        samples: int = 1,
+        max_depth: int = 8,
+        throughput_cutoff: float = 0.0009765625,
+        mirror_roughness: float = 0.1,
+        aovs: Sequence[str] = (),
+    ) -> None: ...
+
+AOVS: tuple[str, ...]
+"""depth, normal, position, albedo, objectId"""
+
+class Renderer:
+    """A scene and one view of it. Throws ValueError on records that cannot be rendered, naming the
+    path; nothing is then applied."""
+
+    def __init__(
+        self,
+        camera: Camera,
+        settings: ViewSettings,
+        *,
+        render_origin: Vec3 | None = None,
+        isa: str = "avx2",
+        threads: int = 0,
+        history: bool = True,
+        cell_order: Sequence[int] | None = None,
+    ) -> None:
+        """`render_origin` (world) defaults to the camera's position. `threads` 0: all.
+        `history` False: nothing is kept of rays, and every update that changes anything is a full
+        trace. `cell_order`: a permutation of range(64), for tests."""
+    def update(
+        self,
+        changes: ChangeSet,
+        camera: Camera | None = None,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> dict[str, Any]:
+        """Applies `changes` (and a changed camera), renders what they require, and returns the
+        update's statistics: `restart` (why the update was a full trace; None if it was none, or the
+        first), `rays` traced {primary, reflected, refracted, shadow}, `all_rays` the film is made
+        of, `flagged_rays`, `tested_rays`, `retraced_rays`, `changed_rays`, `new_rays`,
+        `whole_scene_rays`, `nodes_traversed`, `intersections`, `shadings`, `history_bytes`,
+        `seconds` {apply, bvh, trace, total}, `cells` {rays: [64]}.
+
+        Polls signals. `on_progress` gets the share done, at most 20 times a second; what it raises
+        stops a full trace, and the last whole film stays. An incremental update runs to its end.
+        Raises RuntimeError when called while an update runs."""
+    def beauty(self) -> NDArray[np.float32]:
+        """(height, width, 4) RGBA, scene-linear, row 0 on top; a read-only view of the film,
+        valid until the next update."""
+    def aov(self, name: str) -> NDArray[np.float32] | NDArray[np.uint32]:
+        """(height, width) depth and objectId (uint32), (height, width, 3) the others."""
+    def brute_force_pixel(
+        self, x: int, y: int
+    ) -> dict[str, NDArray[np.float32] | NDArray[np.uint32]]:
+        """The pixel by the brute-force twin: {"beauty": (4,), aov: ...}."""
+
+def numeric_fingerprint(isa: str = "avx2") -> str:
+    """Hash over fixed rays and libm calls (DESIGN 3, rule 11), as 16 hex digits."""
+
+def versions() -> dict[str, str]:
+    """Versions of irt, Embree, TBB, Imath and the compiler."""
+
+def best_isa() -> str:
+    """The widest instruction set of this processor."""
+
+class TraceBench:
+    """What `irt bench trace` times: a render, and that render's queries alone. Raises ValueError as
+    Renderer does."""
+
+    def __init__(
+        self,
+        scene: ChangeSet,
+        camera: Camera,
+        settings: ViewSettings,
+        *,
+        render_origin: Vec3,
+        isa: str = "avx2",
+    ) -> None:
+        """Builds the trees; one set of them serves every call."""
+    def render(self, threads: int) -> float:
+        """Seconds of a full trace into the film: rays, shading and film, no trees."""
+    def time(
+        self, loop: Literal["bare", "ours"], query: Literal["nearest", "occlusion"]
+    ) -> tuple[float, int]:
+        """Seconds of one pass on one thread over the rays of that kind that `render` traces, in its
+        order, and how many met something (occlusion: something opaque)."""
+    @property
+    def rays(self) -> dict[str, int]:
+        """The rays recorded: primary, reflected, refracted, shadow."""
+    def beauty(self) -> NDArray[np.float32]:
+        """(height, width, 4): a copy of the film as the last `render` left it."""

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two snapshots to a change list. Only states that are not the same objects are looked into."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import compress
+from operator import is_not
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from irt_usd.changes.invalidation import Invalidates, invalidates
+from irt_usd.stage.camera import same_camera
+from irt_usd.stage.snapshot import LightState, MaterialState, ObjectState, Snapshot, State
+from irt_usd.stage.values import Value, same_bits
+
+if TYPE_CHECKING:
+    from irt_usd import _core
+
+_S = TypeVar("_S", ObjectState, MaterialState, LightState)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One attribute's values before and after (None: not there), and what that makes stale.
+
+    Prims that come or go have one change: of "visibility" where that is why, else of "(added)" or
+    "(removed)".
+    """
+
+    path: str
+    attribute: str
+    old: Value
+    new: Value
+    invalidates: Invalidates
+
+
+_Difference = tuple[str, Value, Value]
+"""Attribute, value before, value after."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair(Generic[_S]):
+    """A state before and after (None: not there), and where the two differ."""
+
+    old: _S | None
+    new: _S | None
+    differences: list[_Difference]
+
+
+class ChangeList:
+    """What leads from one snapshot (None: from nothing) to another, in order of kind and path."""
+
+    def __init__(self, old: Snapshot | None, new: Snapshot) -> None:
+        self._new = new
+        self.initial = old is None
+        """Whether there was no snapshot before: everything is new."""
+        self._objects = _differing(old.objects if old else {}, new.objects)
+        self._materials = _differing(old.materials if old else {}, new.materials)
+        self._lights = _differing(old.lights if old else {}, new.lights)
+        self.camera = old is not None and not same_camera(old.camera, new.camera)
+        """Whether the camera maps the world to the image otherwise than before."""
+        self.changes: list[Change] = []
+        """By value, bit for bit: time samples that repeat a value are no change."""
+        if old is not None and self.camera:
+            differences = _differences(old.camera, new.camera)
+            self.changes += _attribute_changes(old.camera.path, old.camera, new.camera, differences)
+        hidden_before = old.hidden if old else frozenset()
+        for pairs in (self._objects, self._materials, self._lights):
+            for path, pair in pairs.items():
+                if pair.old is None or pair.new is None:
+                    self.changes.append(
+                        _whole_change(path, pair.old, pair.new, hidden_before, new.hidden)
+                    )
+                else:
+                    self.changes += _attribute_changes(path, pair.old, pair.new, pair.differences)
+
+    @cached_property
+    def core(self) -> "_core.ChangeSet":
+        """The same for the core: whole records of what changed, removals of what went."""
+        from irt_usd import _core
+
+        changes = _core.ChangeSet()
+        for pairs, remove in (
+            (self._materials, changes.remove_material),
+            (self._objects, changes.remove_object),
+            (self._lights, changes.remove_light),
+        ):
+            for path, pair in pairs.items():
+                if pair.new is None:
+                    remove(path)
+                else:
+                    pair.new.add_to(changes)
+        return changes
+
+    def summary(self) -> str:
+        """Short text such as "3 moved, 1 material, 1 light energy"."""
+        if self.initial:
+            return ", ".join(
+                _counted(count, noun)
+                for count, noun in (
+                    (len(self._new.objects), "object"),
+                    (len(self._new.materials), "material"),
+                    (len(self._new.lights), "light"),
+                )
+            )
+        counts: dict[str, int] = {}
+        if self.camera:
+            counts["camera"] = 1
+        for pair in self._objects.values():
+            verb = _object_verb(pair)
+            counts[verb] = counts.get(verb, 0) + 1
+        parts = ["camera" if name == "camera" else f"{n} {name}" for name, n in counts.items()]
+        if self._materials:
+            parts.append(_counted(len(self._materials), "material"))
+        dimmed = sum(_only_energy(pair.old, pair.new) for pair in self._lights.values())
+        if dimmed:
+            parts.append(f"{dimmed} light energy")
+        if len(self._lights) > dimmed:
+            parts.append(_counted(len(self._lights) - dimmed, "light"))
+        return ", ".join(parts) or "nothing"
+
+
+def diff(old: Snapshot | None, new: Snapshot) -> ChangeList:
+    """What changed from `old` (None: nothing yet) to `new`."""
+    return ChangeList(old, new)
+
+
+def _differing(old: Mapping[str, _S], new: Mapping[str, _S]) -> dict[str, _Pair[_S]]:
+    """The states that differ in some bit, by path."""
+    pairs: dict[str, _Pair[_S]] = {}
+    if list(old) == list(new):
+        # The common case, at the speed of C: mostly the same objects in the same order.
+        candidates: Iterable[str] = compress(new, map(is_not, old.values(), new.values()))
+    else:
+        candidates = (path for path, state in new.items() if old.get(path) is not state)
+        pairs = {path: _Pair(state, None, []) for path, state in old.items() if path not in new}
+    for path in candidates:
+        before, after = old.get(path), new[path]
+        differences = _differences(before, after) if before is not None else []
+        if before is None or differences:
+            pairs[path] = _Pair(before, after, differences)
+    return dict(sorted(pairs.items()))
+
+
+def _differences(old: State, new: State) -> list[_Difference]:
+    before, after = old.attributes, new.attributes
+    names = before if before.keys() == after.keys() else {**before, **after}
+    return [
+        (name, before.get(name), after.get(name))
+        for name in names
+        if not same_bits(before.get(name), after.get(name))
+    ]
+
+
+def _attribute_changes(
+    path: str, old: State, new: State, differences: Iterable[_Difference]
+) -> Iterator[Change]:
+    same_aim = _only_energy(old, new)
+    for name, before, after in differences:
+        yield Change(path, name, before, after, invalidates(old, new, name, same_aim))
+
+
+def _whole_change(
+    path: str,
+    old: State | None,
+    new: State | None,
+    hidden_before: frozenset[str],
+    hidden_now: frozenset[str],
+) -> Change:
+    """The one change of what comes or goes."""
+    before: Value = None
+    after: Value = None
+    if path in hidden_now:
+        attribute, before, after = "visibility", "inherited", "invisible"
+    elif path in hidden_before:
+        attribute, before, after = "visibility", "invisible", "inherited"
+    else:
+        attribute = "(added)" if old is None else "(removed)"
+    return Change(path, attribute, before, after, invalidates(old, new, attribute))
+
+
+def _only_energy(old: State | None, new: State | None) -> bool:
+    """Whether a light's record differs in nothing but its energy, which it had and has."""
+    if not isinstance(old, LightState) or not isinstance(new, LightState):
+        return False
+    return (
+        old.kind == new.kind
+        and same_bits(old.aim, new.aim)
+        and old.casts_shadows == new.casts_shadows
+        and any(old.energy)
+    )
+
+
+def _object_verb(pair: _Pair[ObjectState]) -> str:
+    if pair.old is None:
+        return "appeared"
+    if pair.new is None:
+        return "gone"
+    changed = {name for name, _, _ in pair.differences}
+    if changed - {"world_from_object", "material:binding"}:
+        return "deformed"
+    return "moved" if "world_from_object" in changed else "rebound"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

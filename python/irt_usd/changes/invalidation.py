@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What each kind of change makes stale, in one table.
+
+The names say the most that a change can touch, for people to read; the core decides for itself,
+from the records.
+"""
+
+from typing import TYPE_CHECKING, Any, Literal
+
+from irt_usd.stage.lights import ENERGY_ATTRIBUTES
+from irt_usd.stage.snapshot import CameraState, LightState, MaterialState, ObjectState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Invalidates = Literal[
+    "visibility and shading",
+    "shading",
+    "spawned rays",
+    "shadow rays",
+    "light energy only (no rays)",
+    "everything (restart)",
+]
+"""visibility and shading: rays through the object's old and new surfaces. spawned rays: reflected,
+refracted and shadow rays of the points it shows at, and shadows it casts. shadow rays: those to
+this light. shading: colours alone. light energy only: sums alone."""
+
+_OBJECT: dict[str, Invalidates] = {
+    "normals": "spawned rays",
+    "normals:interpolation": "spawned rays",
+    "material:binding": "spawned rays",
+}
+
+_MATERIAL: dict[str, Invalidates] = {
+    "diffuseColor": "shading",
+    "emissiveColor": "shading",
+}
+
+
+def invalidates(
+    old: State | None, new: State | None, attribute: str, same_aim: bool = False
+) -> Invalidates:
+    """What the change of `attribute` from `old` to `new` (None: not there) makes stale.
+
+    `same_aim`: a light's record is the same but for its energy.
+    """
+    state = new or old
+    if isinstance(state, CameraState):
+        return "everything (restart)"
+    if isinstance(state, ObjectState):
+        whole = old is None or new is None
+        return (
+            "visibility and shading" if whole else _OBJECT.get(attribute, "visibility and shading")
+        )
+    if isinstance(state, MaterialState):
+        if attribute == "diffuseColor" and not (_only_diffuse(old) and _only_diffuse(new)):
+            return "spawned rays"
+        return _MATERIAL.get(attribute, "spawned rays")
+    return _of_light(old, new, attribute, same_aim)
+
+
+def _only_diffuse(state: State | None) -> bool:
+    """Whether the colour tints no shadow and weighs no mirror ray."""
+    values: Mapping[str, Any] = state.attributes if state is not None else {}
+    return bool(values.get("opacity", 1.0) >= 1.0 and values.get("metallic", 0.0) == 0.0)
+
+
+def _of_light(old: State | None, new: State | None, attribute: str, same_aim: bool) -> Invalidates:
+    if new is None:
+        return "light energy only (no rays)"
+    if not _shines(old) and _shines(new):
+        return "shadow rays"
+    if same_aim or attribute in ENERGY_ATTRIBUTES:
+        return "light energy only (no rays)"
+    return "shadow rays"
+
+
+def _shines(light: State | None) -> bool:
+    return isinstance(light, LightState) and any(light.energy)

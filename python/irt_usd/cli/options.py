@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options that several commands share."""
+
+import functools
+import re
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from irt_usd.cli.errors import VERBOSE
+from irt_usd.errors import InputError
+from irt_usd.shot.settings import AOV_NAMES, ShotOptions, TraceSettings, check_film_size
+
+Command = Callable[..., Any]
+"""A function on its way to becoming a click command."""
+
+ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
+"""From narrow to wide."""
+
+_DEFAULTS = TraceSettings()
+
+
+def verbosity_options(command: Command) -> Command:
+    """-v, for `is_verbose`, and -q, which the command gets as `quiet`."""
+
+    def remember(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
+        ctx.find_root().meta[VERBOSE] = value
+
+    return _with(
+        command,
+        click.option(
+            "-v",
+            "--verbose",
+            is_flag=True,
+            expose_value=False,
+            callback=remember,
+            help="Say more; show tracebacks.",
+        ),
+        click.option(
+            "-q",
+            "--quiet",
+            is_flag=True,
+            help="No table; notices and errors still go to standard error.",
+        ),
+    )
+
+
+def is_verbose() -> bool:
+    """Whether -v was given to the running command."""
+    return bool(click.get_current_context().find_root().meta.get(VERBOSE))
+
+
+def shot_options(command: Command) -> Command:
+    """The stage and what of it is wanted; the command gets them as `options`, a ShotOptions."""
+
+    @functools.wraps(command)
+    def with_options(
+        *args: Any,
+        stage: str,
+        camera: str | None,
+        frames: str | None,
+        size: str | None,
+        no_camera_light: bool,
+        require_locked: bool,
+        **rest: Any,
+    ) -> Any:
+        options = ShotOptions(
+            stage,
+            camera,
+            frames,
+            parse_size(size) if size is not None else None,
+            not no_camera_light,
+            require_locked,
+        )
+        return command(*args, options=options, **rest)
+
+    return _with(
+        with_options,
+        click.argument("stage", metavar="STAGE"),
+        click.option(
+            "-c", "--camera", metavar="PATH", help="The camera; by default the stage's only one."
+        ),
+        click.option(
+            "-f",
+            "--frames",
+            metavar="RANGE",
+            help="7, 1001:1100, 1:48x2, 1-48:2, 1:2x0.25 or a list; by default the stage's range.",
+        ),
+        click.option("--size", metavar="WxH", help="Pixels; by default the stage's."),
+        click.option(
+            "--no-camera-light", is_flag=True, help="No light at the camera of a shot without any."
+        ),
+        click.option(
+            "--require-locked", is_flag=True, help="Refuse a camera that moves in the range."
+        ),
+        click.option("--strict", is_flag=True, help="Refuse what would be left out and reported."),
+    )
+
+
+def trace_options(command: Command) -> Command:
+    """How frames are traced; the command gets them as `settings`, a TraceSettings."""
+
+    @functools.wraps(command)
+    def with_settings(*args: Any, **given: Any) -> Any:
+        aovs = tuple(dict.fromkeys(given.pop("aov")))
+        names = ("samples", "max_depth", "throughput_cutoff", "mirror_roughness", "isa", "threads")
+        settings = TraceSettings(aovs=aovs, **{name: given.pop(name) for name in names})
+        return command(*args, settings=settings, **given)
+
+    return _with(
+        with_settings,
+        _number("--samples", click.IntRange(1, 4096), _DEFAULTS.samples, "Samples a pixel."),
+        _number(
+            "--max-depth",
+            click.IntRange(0, 64),
+            _DEFAULTS.max_depth,
+            "Reflections and refractions after the primary ray.",
+        ),
+        _number(
+            "--throughput-cutoff",
+            click.FloatRange(0, 1, min_open=True),
+            _DEFAULTS.throughput_cutoff,
+            "Rays that carry less than about this are not traced.",
+        ),
+        _number(
+            "--mirror-roughness",
+            click.FloatRange(0, 1),
+            _DEFAULTS.mirror_roughness,
+            "Surfaces up to this roughness reflect sharply.",
+        ),
+        click.option(
+            "--aov",
+            multiple=True,
+            type=click.Choice(AOV_NAMES),
+            help="A further layer; may be repeated.",
+        ),
+        _number("--threads", click.IntRange(0, 1024), _DEFAULTS.threads, "0 is all."),
+        click.option(
+            "--isa",
+            type=click.Choice(ISAS),
+            default=_DEFAULTS.isa,
+            show_default=True,
+            help="Instruction set that trees are walked with; shows in no pixel.",
+        ),
+    )
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """`960x540` as (width, height). Raises InputError where it is not that, or no film's size."""
+    match = re.fullmatch(r"([+-]?[0-9]{1,18})[xX]([+-]?[0-9]{1,18})", text)
+    if match is None:
+        raise InputError(f"--size {text}: expected width x height, such as 960x540")
+    size = (int(match[1]), int(match[2]))
+    check_film_size(size, ())
+    return size
+
+
+def check_isa(isa: str) -> None:
+    """Raises InputError where this processor lacks the instruction set."""
+    from irt_usd import _core
+
+    best = _core.best_isa()
+    if ISAS.index(isa) > ISAS.index(best):
+        raise InputError(f"--isa {isa}: this processor has no wider one than {best}; use that")
+
+
+def use_threads(threads: int) -> None:
+    """Bounds the libraries' own thread pools, too; 0 leaves them be."""
+    if threads > 0:
+        import OpenImageIO as oiio  # noqa: N813
+        from pxr import Work
+
+        Work.SetConcurrencyLimit(threads)
+        oiio.attribute("threads", threads)
+        oiio.attribute("exr_threads", threads)
+
+
+def _number(name: str, kind: Any, default: float, text: str) -> Callable[[Any], Command]:
+    return click.option(
+        name, type=kind, default=default, show_default=True, callback=_not_nan, help=text
+    )
+
+
+def _not_nan(_ctx: click.Context, param: click.Parameter, value: float) -> float:
+    if value != value:  # click's ranges let it pass
+        raise InputError(f"{param.opts[0]} nan: expected a number")
+    return value
+
+
+def _with(command: Command, *decorators: Callable[[Any], Command]) -> Command:
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command

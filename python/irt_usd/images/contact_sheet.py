@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact sheets: an EXR sequence at a glance, as one PNG for a screen."""
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+from numpy.typing import NDArray
+
+from irt_usd.errors import InputError, MachineError
+from irt_usd.images.atomic import atomic_file
+from irt_usd.images.exr import read_beauty, read_frame_number
+
+_GAP = 4
+_LABEL_HEIGHT = 16
+_GLYPH_SCALE = 2
+_BACKGROUND = 0.12
+_INK = 0.85
+# Five rows of three pixels a glyph; drawn here because a machine need not have a font.
+_GLYPHS = {
+    "0": "111101101101111",
+    "1": "010110010010111",
+    "2": "111001111100111",
+    "3": "111001111001111",
+    "4": "101101111001001",
+    "5": "111100111001111",
+    "6": "111100111101111",
+    "7": "111001001001001",
+    "8": "111101111101111",
+    "9": "111101111001111",
+    ".": "000000000000010",
+    "-": "000000111000000",
+}
+
+
+def write_contact_sheet(
+    path: Path, frames: Sequence[Path], columns: int | None = None, width: int = 240
+) -> None:
+    """Writes the sheet of `frames`, in that order, each labelled with its number.
+
+    `columns` frames are beside each other, else about as many as below each other; each is
+    `width` pixels wide. The display transform is sRGB's, unfilmed: values are clipped to 0..1,
+    NaN shows black. Raises InputError for frames that cannot be read, MachineError where the
+    PNG cannot be written.
+    """
+    if path.suffix.lower() != ".png":
+        raise InputError(f"{path}: a contact sheet is a PNG; end the name in .png")
+    if not frames:
+        raise InputError("a contact sheet needs frames; name some EXR files")
+    columns = min(len(frames), columns or math.ceil(math.sqrt(len(frames))))
+    tiles = [_tile(frame, width) for frame in frames]
+    row_heights = [
+        max(tile.shape[0] for tile in tiles[start : start + columns])
+        for start in range(0, len(tiles), columns)
+    ]
+    sheet_size = (sum(row_heights) + _GAP * (len(row_heights) + 1), columns * (width + _GAP) + _GAP)
+    sheet = np.full((*sheet_size, 3), _BACKGROUND, dtype=np.float32)
+    for index, tile in enumerate(tiles):
+        row, column = divmod(index, columns)
+        top = _GAP + sum(row_heights[:row]) + _GAP * row
+        left = _GAP + column * (width + _GAP)
+        sheet[top : top + tile.shape[0], left : left + width] = tile
+    _write_png(path, sheet)
+
+
+def display_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Scene-linear Rec.709 to sRGB display values (IEC 61966-2-1), clipped to 0..1."""
+    clipped = np.clip(np.nan_to_num(linear, nan=0.0), 0.0, 1.0)
+    curve = 1.055 * np.power(clipped, 1 / 2.4) - 0.055
+    return np.where(clipped <= 0.0031308, 12.92 * clipped, curve).astype(np.float32)
+
+
+def _tile(frame: Path, width: int) -> NDArray[np.float32]:
+    """(height + label, width, 3), display values."""
+    # Clipped before it is averaged: one highlight must not light up its whole tile.
+    pixels = np.clip(np.nan_to_num(read_beauty(frame), nan=0.0), 0.0, 1.0)
+    height = max(1, round(width * pixels.shape[0] / pixels.shape[1]))
+    resized = oiio.ImageBufAlgo.resize(
+        oiio.ImageBuf(np.ascontiguousarray(pixels)), roi=oiio.ROI(0, width, 0, height, 0, 1, 0, 3)
+    )
+    image = display_srgb(np.asarray(resized.get_pixels(oiio.FLOAT), dtype=np.float32))
+    label = np.full((_LABEL_HEIGHT, width, 3), _BACKGROUND, dtype=np.float32)
+    _draw(label, _frame_label(frame))
+    return np.concatenate([image, label], axis=0)
+
+
+def _frame_label(frame: Path) -> str:
+    """The frame recorded in the file, else the last number in its name, else nothing."""
+    recorded = read_frame_number(frame)
+    if recorded is not None:
+        return recorded
+    numbers = re.findall(r"(?:(?<![0-9A-Za-z])-)?[0-9]+", frame.stem)
+    return str(numbers[-1]) if numbers else ""
+
+
+def _draw(label: NDArray[np.float32], text: str) -> None:
+    left, top = 2, (_LABEL_HEIGHT - 5 * _GLYPH_SCALE) // 2
+    for character in text:
+        bits = np.array([int(bit) for bit in _GLYPHS[character]], dtype=bool).reshape(5, 3)
+        mask = np.kron(bits, np.ones((_GLYPH_SCALE, _GLYPH_SCALE), dtype=bool))
+        if left + mask.shape[1] > label.shape[1]:
+            return
+        label[top : top + mask.shape[0], left : left + mask.shape[1]][mask] = _INK
+        left += mask.shape[1] + _GLYPH_SCALE
+
+
+def _write_png(path: Path, pixels: NDArray[np.float32]) -> None:
+    image: NDArray[Any] = np.rint(pixels * 255.0).astype(np.uint8)
+    spec = oiio.ImageSpec(image.shape[1], image.shape[0], 3, oiio.UINT8)
+    spec["oiio:ColorSpace"] = "srgb_rec709_scene"
+    with atomic_file(path) as temporary:
+        output = oiio.ImageOutput.create("png")
+        if output is None:
+            raise MachineError(f"{path}: OpenImageIO cannot write PNG: {oiio.geterror().strip()}")
+        written = output.open(str(temporary), spec) and output.write_image(image)
+        if not (output.close() and written):
+            raise MachineError(f"{path}: cannot be written: {output.geterror().strip()}")

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""EXR frames: scene-linear beauty and AOVs in one file, the same bytes for the same pixels.
+
+Beauty is `R G B A` in the root layer, the AOVs are layers beside it:
+
+    depth     Z                  float, in scene units
+    normal    normal.X .Y .Z     float, world space
+    position  position.X .Y .Z   float, world space
+    albedo    albedo.R .G .B     as beauty
+    objectId  objectId.id        uint32, in a second part named objectId
+
+OpenImageIO converts pixels of mixed types by way of float, which cannot hold every id: hence
+the second part.
+"""
+
+import os
+import re
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
+from numpy.typing import NDArray
+
+from irt_usd.errors import InputError, MachineError
+from irt_usd.images.atomic import atomic_file
+
+PixelType = Literal["half", "float"]
+Matrix = tuple[float, ...]
+"""16 numbers, row after row, for row vectors as in OpenEXR and USD."""
+MetadataValue = str | int | float | Fraction | Matrix
+
+HALF_MAX = 65504.0
+"""Larger finite values are written as this: the next half is infinity."""
+
+_FRAME = re.compile(r"-?[0-9]+(\.[0-9]+)?")
+_REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+
+@dataclass(frozen=True)
+class Film:
+    """One frame's pixels, row 0 on top.
+
+    `beauty` (height, width, 4) float32, scene-linear; `aovs` by name: (height, width) for depth
+    (float32) and objectId (uint32), (height, width, 3) float32 for the others.
+    """
+
+    beauty: NDArray[np.float32]
+    aovs: Mapping[str, NDArray[np.float32] | NDArray[np.uint32]]
+
+
+@dataclass(frozen=True)
+class PixelFaults:
+    """Beauty pixels that could not be written as any number, or not as their own."""
+
+    non_finite: int
+    too_bright: int
+
+
+@dataclass(frozen=True)
+class _Layer:
+    channels: tuple[str, ...]
+    colour: bool
+
+
+_LAYERS = {
+    "depth": _Layer(("Z",), colour=False),
+    "normal": _Layer(("normal.X", "normal.Y", "normal.Z"), colour=False),
+    "position": _Layer(("position.X", "position.Y", "position.Z"), colour=False),
+    "albedo": _Layer(("albedo.R", "albedo.G", "albedo.B"), colour=True),
+}
+_ID_AOV = "objectId"
+
+
+def write_exr(
+    path: Path, film: Film, metadata: Mapping[str, MetadataValue], pixel_type: PixelType = "half"
+) -> PixelFaults:
+    """Writes one frame, atomically; returns what had to be bent.
+
+    Raises MachineError where the file cannot be written.
+    """
+    pixels, spec = _colour_part(film, pixel_type)
+    parts: list[tuple[oiio.ImageSpec, NDArray[Any]]] = [(spec, pixels)]
+    if _ID_AOV in film.aovs:
+        parts.append(_id_part(film))
+        spec["oiio:subimagename"] = "rgba"
+    for part_spec, _ in parts:
+        _set_metadata(part_spec, metadata)
+    with atomic_file(path) as temporary:
+        _write_parts(temporary, path, parts)
+    return _faults(film, pixel_type)
+
+
+def read_beauty(path: Path) -> NDArray[np.float32]:
+    """The RGB of an EXR: (height, width, 3) float32. Raises InputError."""
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise InputError(f"{path}: cannot be read: {oiio.geterror().strip()}")
+    if image.spec().nchannels < 3:
+        raise InputError(f"{path}: has no R, G and B channels")
+    pixels = image.read_image(0, 0, 0, 3, oiio.FLOAT)
+    if pixels is None:
+        raise InputError(f"{path}: is damaged: {image.geterror().strip()}")
+    return np.asarray(pixels, dtype=np.float32)
+
+
+def read_frame_number(path: Path) -> str | None:
+    """The frame an EXR of ours was rendered for, as a decimal; None where none is recorded."""
+    image = oiio.ImageInput.open(str(path))
+    recorded = image.spec().getattribute("irt:frame") if image is not None else None
+    return recorded if isinstance(recorded, str) and _FRAME.fullmatch(recorded) else None
+
+
+def source_date() -> str:
+    """SOURCE_DATE_EPOCH as the `DateTime` of a header (UTC), empty where it is not set.
+
+    Raises InputError where it is no number of seconds.
+    """
+    text = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if not text:
+        return ""
+    try:
+        return datetime.fromtimestamp(int(text), UTC).strftime("%Y:%m:%d %H:%M:%S")
+    except (ValueError, OverflowError, OSError) as error:
+        raise InputError(
+            f"SOURCE_DATE_EPOCH is '{text}': expected seconds since 1970; correct or unset it"
+        ) from error
+
+
+def _colour_part(film: Film, pixel_type: PixelType) -> tuple[NDArray[np.float32], oiio.ImageSpec]:
+    """The root layer and all float layers, as (height, width, channels), and their spec."""
+    colour_type = oiio.HALF if pixel_type == "half" else oiio.FLOAT
+    height, width = film.beauty.shape[:2]
+    planes: list[NDArray[Any]] = [_storable(film.beauty, pixel_type)]
+    names = ["R", "G", "B", "A"]
+    formats = [colour_type] * 4
+    for name, layer in _LAYERS.items():
+        if name in film.aovs:
+            plane = film.aovs[name].reshape(height, width, len(layer.channels))
+            planes.append(_storable(plane, pixel_type) if layer.colour else plane)
+            names += layer.channels
+            formats += [colour_type if layer.colour else oiio.FLOAT] * len(layer.channels)
+    spec = _new_spec(width, height, names, colour_type)
+    spec.channelformats = tuple(formats)
+    return np.ascontiguousarray(np.concatenate(planes, axis=2, dtype=np.float32)), spec
+
+
+def _id_part(film: Film) -> tuple[oiio.ImageSpec, NDArray[np.uint32]]:
+    ids = film.aovs[_ID_AOV]
+    height, width = ids.shape
+    spec = _new_spec(width, height, [f"{_ID_AOV}.id"], oiio.UINT32)
+    spec["oiio:subimagename"] = _ID_AOV
+    return spec, np.ascontiguousarray(ids.reshape(height, width, 1), dtype=np.uint32)
+
+
+def _storable(plane: NDArray[Any], pixel_type: PixelType) -> NDArray[Any]:
+    if pixel_type == "float":
+        return plane
+    clipped = np.clip(plane, -HALF_MAX, HALF_MAX)
+    return np.where(np.isinf(plane), plane, clipped)
+
+
+def _faults(film: Film, pixel_type: PixelType) -> PixelFaults:
+    finite = np.isfinite(film.beauty)
+    too_bright = 0
+    if pixel_type == "half":
+        beyond = finite & (np.abs(film.beauty) > HALF_MAX)
+        too_bright = int(np.count_nonzero(beyond.any(axis=2)))
+    return PixelFaults(int(np.count_nonzero(~finite.all(axis=2))), too_bright)
+
+
+def _new_spec(
+    width: int, height: int, channels: Sequence[str], pixel_format: Any
+) -> oiio.ImageSpec:
+    spec = oiio.ImageSpec(width, height, len(channels), pixel_format)
+    spec.channelnames = tuple(channels)
+    spec["compression"] = "zip"
+    spec["DateTime"] = ""  # keeps OpenImageIO from adding the time of writing
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), _REC709)
+    return spec
+
+
+def _set_metadata(spec: oiio.ImageSpec, metadata: Mapping[str, MetadataValue]) -> None:
+    for key, value in metadata.items():
+        if isinstance(value, Fraction):
+            rational = (value.numerator, value.denominator)
+            spec.attribute(key, oiio.TypeDesc("rational"), rational)
+        elif isinstance(value, tuple):
+            spec.attribute(key, oiio.TypeDesc("matrix"), value)
+        else:
+            spec[key] = value
+
+
+def _write_parts(
+    temporary: Path, path: Path, parts: Sequence[tuple[oiio.ImageSpec, NDArray[Any]]]
+) -> None:
+    output = oiio.ImageOutput.create("openexr")
+    if output is None:
+        raise MachineError(f"{path}: OpenImageIO cannot write OpenEXR: {oiio.geterror()}")
+    specs = tuple(spec for spec, _ in parts)
+    written = output.open(str(temporary), specs if len(specs) > 1 else specs[0])
+    for index, (spec, pixels) in enumerate(parts):
+        if written and index > 0:
+            written = output.open(str(temporary), spec, "AppendSubimage")
+        written = written and output.write_image(pixels)
+    # Closed in any case; closing is where the last of the file can fail to reach the disk.
+    closed = output.close()
+    if not (written and closed):
+        reason = " ".join(output.geterror().split()).replace(str(temporary), path.name)
+        free = shutil.disk_usage(path.parent).free // 2**20
+        raise MachineError(f"{path}: cannot be written ({free} MiB free there): {reason}")

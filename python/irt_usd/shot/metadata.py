@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a frame's header says: only what its pixels depend on, so that files compare by bytes.
+
+Times, hosts, threads and the cost of a frame belong in the statistics file.
+"""
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import UsdGeom
+
+from irt_usd import _core
+from irt_usd.images.exr import Matrix, MetadataValue, source_date
+from irt_usd.shot.frames import Frame, format_frame
+from irt_usd.shot.session import Shot
+from irt_usd.shot.settings import TraceSettings
+from irt_usd.stage.snapshot import CameraState
+
+_FLIP_Z = np.diag([1.0, 1.0, -1.0, 1.0])
+
+
+def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValue]:
+    """The entries that are the same in every frame. Raises InputError: a bad SOURCE_DATE_EPOCH."""
+    versions = _core.versions()
+    return {
+        "Software": f"irt {versions['irt']}",
+        "DateTime": source_date(),
+        "cameraLabel": shot.camera_path,
+        "framesPerSecond": frames_per_second(shot.stage.GetFramesPerSecond()),
+        "irt:stage": Path(shot.options.stage).name,
+        "irt:camera": shot.camera_path,
+        "irt:cameraLight": int(shot.reader.camera_light),
+        "irt:samples": settings.samples,
+        "irt:maxDepth": settings.max_depth,
+        "irt:throughputCutoff": settings.throughput_cutoff,
+        "irt:mirrorRoughness": settings.mirror_roughness,
+        "irt:renderOrigin": " ".join(repr(float(value)) for value in shot.render_origin),
+        "irt:isa": settings.isa,
+        "irt:numericFingerprint": _core.numeric_fingerprint(settings.isa),
+        "irt:versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+    }
+
+
+def frame_metadata(shot: Shot, frame: Frame, camera: CameraState) -> dict[str, MetadataValue]:
+    """The entries of one frame.
+
+    Focal length and film back are in millimetres, as is usual for USD's tenths of a scene unit.
+    """
+    prim = UsdGeom.Camera(shot.stage.GetPrimAtPath(shot.camera_path))
+    world_to_camera, world_to_ndc = camera_matrices(
+        camera.world_from_camera, camera.window, camera.orthographic
+    )
+    time = float(frame)
+    entries: dict[str, MetadataValue] = {
+        "irt:frame": format_frame(frame),
+        "irt:timeCode": time,
+        "worldToCamera": world_to_camera,
+        "worldToNDC": world_to_ndc,
+        "nominalFocalLength": float(prim.GetFocalLengthAttr().Get(time)),
+        "irt:horizontalAperture": float(prim.GetHorizontalApertureAttr().Get(time)),
+        "irt:verticalAperture": float(prim.GetVerticalApertureAttr().Get(time)),
+    }
+    if frame == frame.to_integral_value():
+        entries["imageCounter"] = int(frame)
+    return entries
+
+
+def frames_per_second(rate: float) -> Fraction:
+    """The rate as a fraction: 24 is 24/1, and 23.976 is NTSC's 24000/1001."""
+    ntsc = Fraction(round(rate) * 1000, 1001)
+    if rate != round(rate) and abs(float(ntsc) - rate) < 1e-3:
+        return ntsc
+    return Fraction(rate).limit_denominator(1001)
+
+
+def camera_matrices(
+    world_from_camera: NDArray[np.float64],
+    window: tuple[float, float, float, float],
+    orthographic: bool,
+) -> tuple[Matrix, Matrix]:
+    """OpenEXR's worldToCamera and worldToNDC, for row vectors.
+
+    `world_from_camera` (4, 4) looks along -z; OpenEXR's camera space is left-handed and looks
+    along +z. NDC is (0, 0) at the upper left of the display window and (1, 1) at the lower
+    right; its z, without meaning there, is 1 - 1/distance so that the matrix has an inverse.
+    """
+    left, right, bottom, top = window
+    world_to_camera = np.linalg.inv(world_from_camera) @ _FLIP_Z
+    scale_x, scale_y = 1 / (right - left), 1 / (top - bottom)
+    shift = np.array([-left * scale_x, top * scale_y])
+    ndc = np.zeros((4, 4))
+    ndc[0, 0], ndc[1, 1], ndc[2, 2] = scale_x, -scale_y, 1.0
+    if orthographic:
+        ndc[3, :2], ndc[3, 3] = shift, 1.0
+    else:
+        ndc[2, :2], ndc[2, 3], ndc[3, 2] = shift, 1.0, -1.0
+    return _row_major(world_to_camera), _row_major(world_to_camera @ ndc)
+
+
+def _row_major(matrix: NDArray[np.floating[Any]]) -> Matrix:
+    return tuple(float(value) for value in matrix.ravel())

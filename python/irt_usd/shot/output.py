@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Output patterns: which file a frame is written to, and whether it can be."""
+
+import re
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from irt_usd.errors import InputError
+from irt_usd.shot.frames import Frame, format_frame
+
+_TOKEN = re.compile(
+    r"(?P<hashes>\#+)(?:\.(?P<decimals>\#+))?"
+    r"|\$F(?P<houdini>[0-9]?)"
+    r"|%(?:0(?P<printf>[1-9]))?d"
+)
+_PADDED_WITH_SPACES = re.compile("%([1-9])d")
+_TOKENS = "####, ###.### for sub-frames, $F4 or %04d"
+
+
+@dataclass(frozen=True)
+class OutputPattern:
+    """A file name with at most one frame token.
+
+    `width` counts the whole token as usdrecord does: `###.###` is 7 wide with 3 decimals.
+    """
+
+    text: str
+    span: tuple[int, int] | None
+    width: int = 0
+    decimals: int = 0
+
+    def path(self, frame: Frame) -> Path:
+        """The file of one frame; the frame must fit the token (see `output_paths`)."""
+        if self.span is None:
+            return Path(self.text)
+        start, end = self.span
+        return Path(f"{self.text[:start]}{frame:0{self.width}.{self.decimals}f}{self.text[end:]}")
+
+
+def parse_pattern(text: str) -> OutputPattern:
+    """Raises InputError where the tokens are several or odd, or it is no EXR file's name."""
+    if not text.lower().endswith(".exr"):
+        raise InputError(f"--output {text}: irt writes OpenEXR files; end the name in .exr")
+    spaces = _PADDED_WITH_SPACES.search(text)
+    if spaces:
+        raise InputError(
+            f"--output {text}: {spaces.group()} pads with spaces; write %0{spaces[1]}d"
+        )
+    tokens = list(_TOKEN.finditer(text))
+    if not tokens:
+        return OutputPattern(text, None)
+    if len(tokens) > 1:
+        found = ", ".join(token.group() for token in tokens)
+        raise InputError(f"--output {text}: several frame tokens ({found}); leave one")
+    (token,) = tokens
+    if token["hashes"]:
+        decimals = len(token["decimals"] or "")
+        return OutputPattern(text, token.span(), len(token.group()), decimals)
+    return OutputPattern(text, token.span(), int(token["houdini"] or token["printf"] or 1))
+
+
+def default_pattern(stage_path: str, frames: Sequence[Frame]) -> OutputPattern:
+    """out/<stage's name>.####.exr, with as many decimals as the frames need."""
+    decimals = max((-_exponent(frame) for frame in frames), default=0)
+    token = "####" if decimals <= 0 else f"####.{'#' * decimals}"
+    stem = _PADDED_WITH_SPACES.sub("_", _TOKEN.sub("_", Path(stage_path).stem))
+    return parse_pattern(f"out/{stem}.{token}.exr")
+
+
+def _exponent(frame: Frame) -> int:
+    return int(frame.normalize().as_tuple().exponent)
+
+
+def output_paths(pattern: OutputPattern, frames: Sequence[Frame]) -> list[Path]:
+    """The file of each frame, no two alike.
+
+    Raises InputError where a range has no token, or a frame does not fit the token.
+    """
+    if pattern.span is None and len(frames) > 1:
+        raise InputError(
+            f"--output {pattern.text}: {len(frames)} frames but no frame token, so each would"
+            f" overwrite the last; put one in the name ({_TOKENS})"
+        )
+    paths = [pattern.path(frame) for frame in frames]
+    if pattern.span is not None:
+        taken: dict[Path, Frame] = {}
+        for frame, path in zip(frames, paths, strict=True):
+            other = taken.setdefault(path, frame)
+            if other != frame or -_exponent(frame) > pattern.decimals:
+                _refuse_sub_frame(pattern, frame, other, path)
+    return paths
+
+
+def _refuse_sub_frame(pattern: OutputPattern, frame: Frame, other: Frame, path: Path) -> None:
+    names = format_frame(frame)
+    clash = f"would be {path.name}"
+    if other != frame:
+        names = f"{format_frame(other)} and {names}"
+        clash = f"would both be {path.name}"
+    needed = "#" * max(1, -_exponent(frame))
+    raise InputError(
+        f"--output {pattern.text}: frames at {names} {clash}; use a token with"
+        f" enough decimals, such as ####.{needed}"
+    )
+
+
+def prepare_output(
+    paths: Sequence[Path],
+    option: str,
+    note: Callable[[str], None],
+    kept: Sequence[Path] = (),
+) -> None:
+    """Creates the files' folders and proves that files can be written there, leaving none.
+
+    `note` is told of each folder created; `kept` are files that must not be written over. Raises
+    InputError naming what stands in the way.
+    """
+    for path in paths:
+        _refuse_other_than_file(path, option)
+        for other in kept:
+            if _same_file(path, other):
+                raise InputError(f"{option} {path}: would overwrite {other}; give another name")
+    for folder in dict.fromkeys(path.parent for path in paths):
+        try:
+            if not folder.exists():
+                folder.mkdir(parents=True, exist_ok=True)
+                note(f"created {folder}")
+            with tempfile.NamedTemporaryFile(dir=folder, prefix=".irt-"):
+                pass
+        except OSError as error:
+            raise InputError(
+                f"{option} {paths[0]}: cannot write in {folder.absolute()}: {error.strerror}"
+            ) from error
+
+
+def _refuse_other_than_file(path: Path, option: str) -> None:
+    """Refuses what a renamed file would replace by mistake: a folder, a device, a pipe."""
+    try:
+        if path.is_dir():
+            raise InputError(f"{option} {path}: is a folder; give a file's name")
+        if path.exists() and not path.is_file():
+            raise InputError(f"{option} {path}: is no regular file; give a file's name")
+    except OSError as error:
+        raise InputError(f"{option} {path}: {error.strerror}; give another name") from error
+
+
+def _same_file(path: Path, other: Path) -> bool:
+    return path.resolve() == other.resolve() or (
+        path.exists() and other.exists() and path.samefile(other)
+    )

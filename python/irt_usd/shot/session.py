@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An opened shot: its stage, its frames and what is the same in all of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from math import isfinite
+from pathlib import Path
+
+from pxr import Usd
+
+from irt_usd.errors import InputError
+from irt_usd.report import Report
+from irt_usd.shot.frames import (
+    Frame,
+    format_frames,
+    frames_from_stage,
+    parse_frames,
+)
+from irt_usd.shot.settings import ShotOptions
+from irt_usd.stage import ReadOptions, ShotReader, open_stage
+
+Vec3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A shot ready to be read frame by frame.
+
+    `render_origin` is the camera's place in world space at the start of the stage's range, at the
+    earliest time where the stage has none: a setting of the shot, since what is traced relative to
+    another origin rounds otherwise; whatever frames are rendered, it is the same. (Only where that
+    place is not finite is it the one at the first frame.) `camera_moves` are the frames whose
+    camera differs from that of the frame before.
+    """
+
+    options: ShotOptions
+    stage: Usd.Stage
+    report: Report
+    frames: tuple[Frame, ...]
+    reader: ShotReader
+    render_origin: Vec3
+    camera_moves: tuple[Frame, ...]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.reader.size
+
+    @property
+    def camera_path(self) -> str:
+        """The camera's prim."""
+        return self.reader.camera_path
+
+    @property
+    def layer_files(self) -> list[Path]:
+        """The files the stage is composed of."""
+        return [Path(layer.realPath) for layer in self.stage.GetUsedLayers() if layer.realPath]
+
+    def reopened(self, frame: Frame) -> "Shot":
+        """The one frame as a shot of its own, read from a new opening of the stage.
+
+        What was settled for this shot (camera, size, render origin) is settled for it too.
+        """
+        options = replace(self.options, camera=self.camera_path, size=self.size)
+        stage = open_stage(options.stage)
+        report = Report()
+        reader = ShotReader(stage, _read_options(options), report, [float(frame)])
+        return Shot(options, stage, report, (frame,), reader, self.render_origin, ())
+
+
+def open_shot(options: ShotOptions, report: Report) -> Shot:
+    """Opens the stage and settles frames, camera and size. Raises InputError."""
+    requested = parse_frames(options.frames) if options.frames is not None else None
+    stage = open_stage(options.stage)
+    frames = requested or _stage_frames(stage, options.stage)
+    reader = ShotReader(stage, _read_options(options), report, [float(f) for f in frames])
+    _mention_range(stage, frames, report)
+    moving = set(reader.camera_moves)
+    moves = tuple(frame for frame in frames if float(frame) in moving)
+    if moves and options.require_locked:
+        raise InputError(
+            f"{options.stage}: {reader.camera_path} moves at frames {format_frames(moves)};"
+            f" --require-locked asks for a camera that does not: give a range in which it rests"
+        )
+    return Shot(
+        options, stage, report, frames, reader, _render_origin(reader, stage, frames[0]), moves
+    )
+
+
+def _read_options(options: ShotOptions) -> ReadOptions:
+    return ReadOptions(camera=options.camera, camera_light=options.camera_light, size=options.size)
+
+
+def _stage_frames(stage: Usd.Stage, file: str) -> tuple[Frame, ...]:
+    """The stage's own range; where it has none, time code 0, at which defaults hold."""
+    if stage.HasAuthoredTimeCodeRange():
+        return frames_from_stage(stage.GetStartTimeCode(), stage.GetEndTimeCode(), file)
+    return (Decimal(0),)
+
+
+def _mention_range(stage: Usd.Stage, frames: Sequence[Frame], report: Report) -> None:
+    if not stage.HasAuthoredTimeCodeRange():
+        return
+    start, end = stage.GetStartTimeCode(), stage.GetEndTimeCode()
+    if max(frames) < start or min(frames) > end:
+        report.mentioned(
+            f"no frame asked for lies in the stage's own range, {start:g} to {end:g}:"
+            " values are held"
+        )
+
+
+def _render_origin(reader: ShotReader, stage: Usd.Stage, first: Frame) -> Vec3:
+    start = Usd.TimeCode.EarliestTime()
+    if stage.HasAuthoredTimeCodeRange():
+        start = Usd.TimeCode(stage.GetStartTimeCode())
+    place = reader.camera_position(start)
+    if all(map(isfinite, place)):
+        return place
+    return reader.camera_position(Usd.TimeCode(float(first)))

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a user asks for: which shot, and how it is traced."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from irt_usd.errors import InputError
+
+MAX_SIDE = 65536
+"""Pixels; wider images are taken for slips of the keyboard."""
+
+_FILM_COPIES = 6
+"""The film and its double, two frames that wait, one being encoded and its interleaved copy."""
+
+_AOV_FLOATS = {"depth": 1, "normal": 3, "position": 3, "albedo": 3, "objectId": 1}
+AOV_NAMES = tuple(_AOV_FLOATS)
+
+
+@dataclass(frozen=True)
+class ShotOptions:
+    """Which frames of which stage, through which camera; None asks the stage."""
+
+    stage: str
+    camera: str | None = None
+    frames: str | None = None
+    size: tuple[int, int] | None = None
+    camera_light: bool = True
+    require_locked: bool = False
+
+
+@dataclass(frozen=True)
+class TraceSettings:
+    """How frames are traced. All but `threads` reaches pixels; `threads` 0 is all of them."""
+
+    samples: int = 1
+    max_depth: int = 8
+    throughput_cutoff: float = 0.0009765625
+    mirror_roughness: float = 0.1
+    aovs: tuple[str, ...] = ()
+    isa: str = "avx2"
+    threads: int = 0
+
+
+def check_film_size(size: tuple[int, int], aovs: Sequence[str]) -> None:
+    """Raises InputError for sizes that no film can have, or this machine's memory cannot hold."""
+    width, height = size
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
+        raise InputError(
+            f"--size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels; write 960x540"
+        )
+    pixel_bytes = 4 * (4 + sum(_AOV_FLOATS[name] for name in aovs)) * _FILM_COPIES
+    needed = width * height * pixel_bytes
+    free = free_memory()
+    if needed > free:
+        shrink = (free / needed) ** 0.5
+        raise InputError(
+            f"--size {width}x{height}: the film needs {needed / 2**30:.1f} GiB and"
+            f" {free / 2**30:.1f} GiB of memory are free; at most about"
+            f" {int(width * shrink)}x{int(height * shrink)} fits"
+        )
+
+
+def free_memory() -> int:
+    """Bytes that can be had without swapping."""
+    fields = dict(
+        line.split(":", 1)
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    )
+    return int(fields["MemAvailable"].split()[0]) * 1024

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames are written while the next ones are traced."""
+
+import queue
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType, write_exr
+from irt_usd.shot.stats import FrameStats
+
+_QUEUE_LENGTH = 2
+"""Frames that may wait: tracing stops rather than fill the memory where the disk is slow."""
+
+
+@dataclass(frozen=True)
+class FrameJob:
+    """A whole frame. The film is the job's own: the renderer's changes with its next update."""
+
+    path: Path
+    film: Film
+    metadata: Mapping[str, MetadataValue]
+    pixel_type: PixelType
+    stats: FrameStats
+
+
+@dataclass(frozen=True)
+class WrittenFrame:
+    """A frame that is on disk under its name; its statistics have the seconds it took."""
+
+    job: FrameJob
+    faults: PixelFaults
+
+
+class FrameWriter:
+    """One background thread that writes frames in the order they are given.
+
+    Not to be shared between threads. After a failure nothing more is written; the failure is
+    raised at the next `submit` or `finish`.
+    """
+
+    def __init__(self) -> None:
+        self._jobs: queue.Queue[FrameJob | None] = queue.Queue(_QUEUE_LENGTH)
+        self._written: queue.SimpleQueue[WrittenFrame] = queue.SimpleQueue()
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="frame writer", daemon=True)
+        self._thread.start()
+
+    def submit(self, job: FrameJob) -> None:
+        """Queues a frame, waiting where the queue is full. Raises what an earlier one failed of."""
+        self._raise_failure()
+        self._jobs.put(job)
+
+    def finish(self) -> None:
+        """Writes what is queued and ends the thread. Raises what a frame failed of."""
+        self._jobs.put(None)
+        self._thread.join()
+        self._raise_failure()
+
+    def take_written(self) -> list[WrittenFrame]:
+        """The frames that have reached the disk since the last call."""
+        written = []
+        while not self._written.empty():
+            written.append(self._written.get())
+        return written
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def _run(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            if self._failure is not None:
+                continue
+            start = time.perf_counter()
+            try:
+                faults = write_exr(job.path, job.film, job.metadata, job.pixel_type)
+            except BaseException as failure:  # raised again in the caller's thread
+                self._failure = failure
+                continue
+            seconds = time.perf_counter() - start
+            job.stats.seconds["write"] = seconds
+            job.stats.seconds["total"] += seconds
+            job.stats.non_finite_pixels = faults.non_finite
+            self._written.put(WrittenFrame(job, faults))

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdGeomCamera: the view it gives, and which camera a shot is seen through.
+
+Lens and film back are in tenths of a scene unit; for perspective only their ratios matter, so that
+the unit cancels. The image keeps the horizontal aperture, and its own aspect (pixels are square)
+decides the vertical one, about the authored vertical offset. Nothing is clipped by clippingRange.
+"""
+
+from math import isfinite
+
+from pxr import Gf, Usd, UsdGeom
+
+from irt_usd.errors import InputError
+from irt_usd.report import Report
+from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.settings import settings_camera
+from irt_usd.stage.snapshot import CameraState, Vector
+from irt_usd.stage.survey import stage_prims
+from irt_usd.stage.transforms import ancestry, transform_blame, transform_fault
+from irt_usd.stage.values import Value, matrix_array, same_bits
+
+_NAMES = (
+    "projection",
+    "horizontalAperture",
+    "verticalAperture",
+    "horizontalApertureOffset",
+    "verticalApertureOffset",
+    "focalLength",
+)
+
+
+def list_cameras(stage: Usd.Stage) -> list[str]:
+    """Paths of the stage's cameras, in its order, those inside instances included."""
+    return [str(prim.GetPath()) for prim in stage_prims(stage) if prim.IsA(UsdGeom.Camera)]
+
+
+def choose_camera(stage: Usd.Stage, wanted: str | None, source: str) -> str:
+    """The path of the camera `wanted`, a path or a bare name.
+
+    Without one: the render settings' camera, else the only one. Raises InputError, listing what
+    there is, if that names none or several.
+    """
+    cameras = list_cameras(stage)
+    listed = "\n  ".join(["its cameras:", *cameras])
+    if not cameras:
+        raise InputError(f"{source}: the stage has no camera; add a prim of type Camera")
+    if wanted is None:
+        wanted = settings_camera(stage)
+        if wanted is None and len(cameras) > 1:
+            raise InputError(f"{source}: several cameras; choose one with --camera; {listed}")
+    if wanted is None:
+        return cameras[0]
+    named = [path for path in cameras if path == wanted or path.rsplit("/", 1)[1] == wanted]
+    if wanted in named:
+        return wanted
+    if len(named) > 1:
+        raise InputError(f"{source}: several cameras are named '{wanted}'; give a path; {listed}")
+    if not named:
+        raise InputError(f"{source}: no camera '{wanted}'; {listed}")
+    return named[0]
+
+
+class CameraSource:
+    """Reads the camera."""
+
+    def __init__(self, prim: Usd.Prim, source: str, report: Report) -> None:
+        self._chain = ancestry(prim)
+        self._node = self._chain[-1]
+        self._prim = prim
+        self._file = source
+        self._attributes = Attributes(prim, _NAMES, report)
+        self._state: CameraState | None = None
+        self._world = b""
+
+    @property
+    def varies(self) -> bool:
+        """Whether the view can differ between frames."""
+        return self._attributes.vary or self._node.moves
+
+    def aspect(self, time: Usd.TimeCode) -> float:
+        """Horizontal over vertical aperture. Raises InputError where they give none."""
+        self._attributes.update(time)
+        for name in ("horizontalAperture", "verticalAperture"):
+            self._positive(name, time)
+        return self._number("horizontalAperture") / self._number("verticalAperture")
+
+    def read(self, time: Usd.TimeCode, size: tuple[int, int]) -> CameraState:
+        """The camera at `time`, for images of `size`: the same object while nothing changes.
+
+        Raises InputError on a transform, aperture or focal length that shows nothing.
+        """
+        changed = self._attributes.update(time)
+        self._move(time)
+        world = bytes(self._node.world)
+        if self._state is None or changed or world != self._world:
+            self._world = world
+            self._state = self._build(time, size)
+        return self._state
+
+    def position(self, time: Usd.TimeCode) -> Vector:
+        """Where the camera is in world space, finite or not. Raises nothing."""
+        self._move(time)
+        x, y, z = self._node.world.ExtractTranslation()
+        return (x, y, z)
+
+    def _move(self, time: Usd.TimeCode) -> None:
+        for node in self._chain:
+            node.update_transform(time)
+
+    def report_unsupported(self, report: Report, time: Usd.TimeCode) -> None:
+        """Reports what the camera asks for and does not get."""
+        camera, path = UsdGeom.Camera(self._prim), self._node.path
+        if camera.GetClippingPlanesAttr().Get(time):
+            report.unsupported("camera clippingPlanes", path)
+        if camera.GetFStopAttr().Get(time):
+            report.unsupported("depth of field (everything in focus)", path)
+        if camera.ComputeLinearExposureScale(time) != 1:
+            report.unsupported("camera exposure", path)
+        if camera.GetShutterCloseAttr().Get(time) != camera.GetShutterOpenAttr().Get(time):
+            report.mentioned("no motion blur: the shutter is open at the frame's time alone", path)
+
+    def _build(self, time: Usd.TimeCode, size: tuple[int, int]) -> CameraState:
+        fault = transform_fault(self._node.world)
+        if fault:
+            message, place = transform_blame(self._node, fault, time)
+            raise InputError(
+                f"{self._file}: at {time.GetValue():g}, of the camera, {message}: {place}"
+            )
+        values: dict[str, Value] = dict(self._attributes.values)
+        projection = values["projection"]
+        if projection not in ("perspective", "orthographic"):
+            self._refuse("projection", "perspective or orthographic", time)
+        orthographic = projection == "orthographic"
+        self._positive("horizontalAperture", time)
+        if orthographic:
+            scale = Gf.Camera.APERTURE_UNIT
+        else:
+            self._positive("focalLength", time)
+            scale = 1 / self._number("focalLength")
+        for name in ("horizontalApertureOffset", "verticalApertureOffset"):
+            if not isfinite(self._number(name)):
+                self._refuse(name, "a finite number", time)
+        half_width = self._number("horizontalAperture") / 2
+        half_height = half_width * size[1] / size[0]
+        x = self._number("horizontalApertureOffset")
+        y = self._number("verticalApertureOffset")
+        world = matrix_array(self._node.world)
+        window = (
+            (x - half_width) * scale,
+            (x + half_width) * scale,
+            (y - half_height) * scale,
+            (y + half_height) * scale,
+        )
+        attributes = {**values, "typeName": "Camera", "world_from_object": world}
+        return CameraState(self._node.path, attributes, world, window, orthographic)
+
+    def _number(self, name: str) -> float:
+        value = self._attributes.values[name]
+        return value if isinstance(value, float) else float("nan")
+
+    def _positive(self, name: str, time: Usd.TimeCode) -> None:
+        value = self._number(name)
+        if not (isfinite(value) and value > 0):
+            self._refuse(name, "a positive finite number", time)
+
+    def _refuse(self, name: str, wanted: str, time: Usd.TimeCode) -> None:
+        value = self._attributes.values[name]
+        place = where(self._prim, name, time)
+        raise InputError(
+            f"{self._file}: at {time.GetValue():g} the camera's {name} is {value};"
+            f" expected {wanted}: {place}"
+        )
+
+
+def same_camera(a: CameraState, b: CameraState) -> bool:
+    """Whether both map the world to the image alike, to the bit."""
+    return a is b or (
+        a.orthographic == b.orthographic
+        and same_bits(a.window, b.window)
+        and same_bits(a.world_from_camera, b.world_from_camera)
+    )

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdGeomMesh: the control cage as polygons, with authored normals or as facets."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
+
+from irt_usd.report import Report
+from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.snapshot import Shape
+from irt_usd.stage.topology import Topology, TopologyError
+from irt_usd.stage.values import Value
+
+if TYPE_CHECKING:
+    from irt_usd import _core
+
+Interpolation = Literal["constant", "uniform", "vertex", "faceVarying"]
+
+_NAMES = (
+    "points",
+    "faceVertexCounts",
+    "faceVertexIndices",
+    "holeIndices",
+    "orientation",
+    "doubleSided",
+    "subdivisionScheme",
+    "normals",
+    "primvars:normals",
+    "primvars:normals:indices",
+)
+
+
+class MeshShape(Shape):
+    """Polygons.
+
+    Attributes: points (n, 3) float32, faceVertexCounts and faceVertexIndices int32 without the
+    holes, normals (k, 3) float32 or None with "normals:interpolation", orientation, doubleSided
+    (None: not authored).
+    """
+
+    def __init__(self, attributes: Mapping[str, Value], extent: float) -> None:
+        self.attributes = attributes
+        self.extent = extent
+        """The largest absolute coordinate."""
+        self._geometry: _core.Mesh | None = None
+
+    def geometry(self) -> "_core.Mesh":
+        """The core's mesh, made once."""
+        if self._geometry is None:
+            from irt_usd import _core
+
+            values: Mapping[str, Any] = self.attributes
+            self._geometry = _core.Mesh(
+                values["points"],
+                values["faceVertexCounts"],
+                values["faceVertexIndices"],
+                values["normals"],
+                values["normals:interpolation"],
+                left_handed=values["orientation"] == "leftHanded",
+                single_sided=values["doubleSided"] is False,
+            )
+        return self._geometry
+
+
+class MeshSource:
+    """Reads one mesh."""
+
+    def __init__(self, prim: Usd.Prim, report: Report) -> None:
+        self._report = report
+        self._prim = prim
+        self._path = str(prim.GetPath())
+        self._attributes = Attributes(prim, _NAMES, report)
+        self._double_sided_authored = prim.GetAttribute("doubleSided").HasAuthoredValue()
+        self._shape: Shape | None = None
+        self._topology: Topology | None = None
+        self._first = True
+        scheme = self._attributes.values["subdivisionScheme"]
+        if scheme != "none":
+            report.unsupported("subdivision (control cage rendered)", self._path)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the shape can differ between frames."""
+        return self._attributes.vary
+
+    def read(self, time: Usd.TimeCode) -> Shape | None:
+        """The shape at `time` (the same object while nothing changes); None: nothing to draw."""
+        if self._attributes.update(time) or self._first:
+            self._first = False
+            self._shape = self._build(time)
+        return self._shape
+
+    def _build(self, time: Usd.TimeCode) -> Shape | None:
+        values = self._attributes.values
+        if any(_empty(values[name]) for name in _NAMES[:3]):
+            self._report.mentioned("empty mesh", self._path)
+            return None
+        try:
+            points = vectors("points", values["points"])
+            topology = self._read_topology(len(points), points)
+        except TopologyError as fault:
+            self._report.skipped(fault.message, where(self._prim, fault.attribute, time))
+            return None
+        if len(topology.counts) == 0:
+            self._report.mentioned("empty mesh", self._path)
+            return None
+        normals, interpolation = self._read_normals(len(points), topology, time)
+        authored = self._double_sided_authored
+        shape = {
+            "typeName": "Mesh",
+            "points": points,
+            "faceVertexCounts": topology.counts,
+            "faceVertexIndices": topology.indices,
+            "normals": normals,
+            "normals:interpolation": interpolation,
+            "orientation": values["orientation"],
+            "doubleSided": values["doubleSided"] if authored else None,
+        }
+        return MeshShape(shape, float(np.abs(points).max()))
+
+    def _read_topology(self, point_count: int, points: NDArray[np.float32]) -> Topology:
+        values = self._attributes.values
+        arrays = [values[n] for n in ("faceVertexCounts", "faceVertexIndices", "holeIndices")]
+        known = self._topology
+        if known is None or not known.made_of(arrays):
+            known = Topology(*arrays)
+            self._topology = known
+            known.check(point_count)
+            degenerate = known.degenerate_faces(points)
+            if degenerate:
+                self._report.mentioned("degenerate faces, invisible", self._path)
+        else:
+            known.check(point_count)
+        return known
+
+    def _read_normals(
+        self, point_count: int, topology: Topology, time: Usd.TimeCode
+    ) -> tuple[NDArray[np.float32] | None, Interpolation]:
+        values = self._attributes.values
+        name = "normals" if _empty(values["primvars:normals"]) else "primvars:normals"
+        if _empty(values[name]):
+            return None, "vertex"
+        attribute = self._prim.GetAttribute(name)
+        try:
+            normals = vectors(name, values[name])
+            if name == "normals":
+                authored = attribute.GetMetadata("interpolation") or "vertex"
+            else:
+                authored = UsdGeom.Primvar(attribute).GetInterpolation()
+                normals = _flattened(normals, values["primvars:normals:indices"])
+            interpolation = "vertex" if authored == "varying" else str(authored)
+            normals = topology.select_normals(name, normals, interpolation, point_count)
+        except TopologyError as fault:
+            message = f"{fault.message}; facets rendered instead"
+            self._report.skipped(message, where(self._prim, fault.attribute, time))
+            return None, "vertex"
+        return normals, cast("Interpolation", interpolation)
+
+
+def vectors(attribute: str, value: Value) -> NDArray[np.float32]:
+    """`value` as (n, 3) float32. Raises TopologyError unless it is an array of finite vectors."""
+    if not isinstance(value, np.ndarray) or value.dtype.kind != "f" or value.shape[1:] != (3,):
+        raise TopologyError(attribute, f"the {attribute} are no array of 3-vectors")
+    with np.errstate(over="ignore"):
+        array = np.ascontiguousarray(value, dtype=np.float32)
+    if not np.isfinite(array).all():
+        message = f"the {attribute} hold a NaN or an infinity; expected finite numbers"
+        raise TopologyError(attribute, message)
+    return array
+
+
+def _flattened(normals: NDArray[np.float32], indices: Value) -> NDArray[np.float32]:
+    if not isinstance(indices, np.ndarray):
+        return normals
+    if len(indices) and (indices.min() < 0 or indices.max() >= len(normals)):
+        message = f"an index is outside the {len(normals)} normals"
+        raise TopologyError("primvars:normals:indices", message)
+    return normals[indices]
+
+
+def _empty(value: Value) -> bool:
+    return value is None or (isinstance(value, np.ndarray) and len(value) == 0)

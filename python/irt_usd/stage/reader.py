@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A shot, read frame by frame: what can vary is found once, and nothing else is read again."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol, TypeVar
+
+from pxr import Sdf, Usd, UsdShade
+
+from irt_usd.errors import InputError
+from irt_usd.report import Report
+from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
+from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
+from irt_usd.stage.display_color import (
+    DEFAULT_MATERIAL,
+    DisplayColorSource,
+    default_material,
+)
+from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
+from irt_usd.stage.materials import DEFAULTS, MaterialSource, bound_materials, preview_surface
+from irt_usd.stage.mesh import MeshSource
+from irt_usd.stage.objects import ObjectSource
+from irt_usd.stage.open import materialx_file
+from irt_usd.stage.quadrics import QuadricSource
+from irt_usd.stage.settings import settings_size
+from irt_usd.stage.snapshot import (
+    CameraState,
+    LightState,
+    MaterialState,
+    ObjectState,
+    Snapshot,
+    Vector,
+)
+from irt_usd.stage.survey import survey
+from irt_usd.stage.transforms import Node
+
+_DEFAULT_WIDTH = 960
+
+_MAX_SIDE = 65536
+"""Widest and highest image, in pixels: beyond it a request is taken for a slip."""
+
+_S = TypeVar("_S", ObjectState, MaterialState, LightState)
+_State = TypeVar("_State", covariant=True)
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What of the stage is read, and how it is seen.
+
+    `camera`: a path or a bare name; None: the render settings' or the only one. `purposes`: which
+    of UsdGeom's are rendered. `camera_light`: whether a stage without a light that irt renders
+    gets one at the camera. `size`: width and height in pixels.
+    """
+
+    camera: str | None = None
+    purposes: tuple[str, ...] = ("default", "render")
+    camera_light: bool = True
+    size: tuple[int, int] | None = None
+
+
+class _Placed(Protocol[_State]):
+    @property
+    def node(self) -> Node: ...
+
+    @property
+    def varies(self) -> bool: ...
+
+    def read(self, time: Usd.TimeCode) -> _State | None: ...
+
+
+class _MaterialLike(Protocol):
+    path: str
+
+    @property
+    def varies(self) -> bool: ...
+
+    def read(self, time: Usd.TimeCode) -> MaterialState: ...
+
+
+class ShotReader:
+    """Reads snapshots of a stage that is not edited meanwhile.
+
+    Whether something can vary, and so all that is decided here, is a matter of the stage alone,
+    not of `frames`: a reader made for one frame, with the same size, gives the same snapshot of
+    it, bit for bit. (Without a given size, the camera's aspect at the first frame decides.)
+    """
+
+    def __init__(
+        self, stage: Usd.Stage, options: ReadOptions, report: Report, frames: Sequence[float]
+    ) -> None:
+        """Analyses the stage.
+
+        Raises InputError: no frames, no camera, one that shows nothing at one of the frames, or an
+        image without pixels.
+        """
+        layer = stage.GetRootLayer()
+        self._stage = stage
+        self._file = str(layer.realPath or layer.identifier)
+        self._report = report
+        if not frames:
+            raise InputError(f"{self._file}: no frames to read; give a range that holds some")
+        with usd_diagnostics(report, self._file):
+            self._analyse(options, frames)
+
+    def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
+        for error in self._stage.GetCompositionErrors():
+            file = materialx_file(error)
+            if file:
+                self._report.unsupported("MaterialX files", file)
+        self.camera_path = choose_camera(self._stage, options.camera, self._file)
+        camera = self._stage.GetPrimAtPath(self.camera_path)
+        with self._camera_errors():
+            self._camera = CameraSource(camera, self._file, self._report)
+            self._camera.report_unsupported(self._report, Usd.TimeCode(frames[0]))
+            self.size = self._find_size(options, Usd.TimeCode(frames[0]))
+        found = survey(self._stage, options.purposes, self._report)
+        self._hierarchy = found.hierarchy
+        lights = [
+            attempt(partial(LightSource, n.prim, n, self._report), n.prim, self._report)
+            for n in found.lights
+        ]
+        self._lights = [light for light in lights if light is not None]
+        self._is_lit = bool(found.lights)
+        self.camera_light = options.camera_light and not found.lights
+        """Whether a light at the camera stands in: the stage has no light of a kind rendered."""
+        if self.camera_light:
+            self._report.mentioned("no lights that irt renders: a light at the camera instead")
+        elif not found.lights:
+            self._report.mentioned("no lights that irt renders, and none at the camera")
+        self._materials: list[_MaterialLike] = []
+        self._objects = self._bind(found.objects)
+        self._snapshot: Snapshot | None = None
+        with self._camera_errors():
+            self.camera_moves = self._find_camera_moves(frames)
+        """The frames, of those given, whose camera differs from that of the frame before."""
+
+    def read(self, time: float) -> Snapshot:
+        """The shot at `time` (in time codes), in any order of times.
+
+        What is wrong with single prims goes to the report. Raises InputError on a camera that
+        shows nothing, and on files that USD can no longer read.
+        """
+        with self._report.at_frame(time), usd_diagnostics(self._report, self._file):
+            code = Usd.TimeCode(time)
+            self._hierarchy.update(code)
+            self._snapshot = self._next(code, self._snapshot)
+            return self._snapshot
+
+    def camera_position(self, time: Usd.TimeCode) -> Vector:
+        """Where the camera is at `time`, in world space, finite or not."""
+        with usd_diagnostics(self._report, self._file):
+            return self._camera.position(time)
+
+    def _next(self, time: Usd.TimeCode, old: Snapshot | None) -> Snapshot:
+        with self._camera_errors():
+            camera = self._camera.read(time, self.size)
+        hidden = set(old.hidden) if old else set()
+        objects = _seen(self._objects, time, hidden, self._report)
+        changed_lights = _seen(self._lights, time, hidden, self._report)
+        materials = {m.path: self._read_material(m, time) for m in self._materials}
+        if old is None:
+            materials[DEFAULT_MATERIAL] = default_material()
+            self._objects = [s for s in self._objects if s.varies]
+            self._lights = [s for s in self._lights if s.varies]
+            self._materials = [s for s in self._materials if s.varies]
+        if self.camera_light and (old is None or old.camera is not camera):
+            changed_lights[CAMERA_LIGHT] = camera_light(camera)
+        lights = _updated(old.lights if old else {}, changed_lights)
+        if self._is_lit and not any(any(light.energy) for light in lights.values()):
+            self._report.mentioned(
+                "no light gives light: none is visible, or all have an energy of zero",
+                f"frame {time.GetValue():g}",
+            )
+        return Snapshot(
+            float(time.GetValue()),
+            _updated(old.objects if old else {}, objects),
+            _updated(old.materials if old else {}, materials),
+            lights,
+            camera,
+            old.hidden if old and hidden == old.hidden else frozenset(hidden),
+        )
+
+    def _bind(self, nodes: Sequence[Node]) -> list[ObjectSource]:
+        """Sources of the objects, and (in passing) of every material they wear."""
+        wearable: dict[str, bool] = {}
+        sources = []
+        bindings = bound_materials([node.prim for node in nodes], self._report)
+        for node, (material_path, material) in zip(nodes, bindings, strict=True):
+            name = str(material_path)
+            if material is not None and name not in wearable:
+                source = attempt(
+                    partial(_material_source, material, self._report),
+                    material.GetPrim(),
+                    self._report,
+                )
+                wearable[name] = source is not None
+                if source is not None:
+                    self._materials.append(source)
+            if not wearable.get(name, False):
+                name = self._display_material(node)
+            is_mesh = node.prim.GetTypeName() == "Mesh"
+            kind: type[MeshSource | QuadricSource] = MeshSource if is_mesh else QuadricSource
+            shape = attempt(lambda: kind(node.prim, self._report), node.prim, self._report)  # noqa: B023
+            if shape is not None:
+                sources.append(ObjectSource(node, shape, name, self._report))
+        return sources
+
+    def _display_material(self, node: Node) -> str:
+        if not node.display_primvars:
+            return DEFAULT_MATERIAL
+        source = attempt(
+            partial(DisplayColorSource, node.prim, self._report), node.prim, self._report
+        )
+        if source is None:
+            return DEFAULT_MATERIAL
+        self._materials.append(source)
+        return source.path
+
+    def _read_material(self, source: _MaterialLike, time: Usd.TimeCode) -> MaterialState:
+        """The material; UsdPreviewSurface's defaults, and reported, where USD fails."""
+        prim = self._stage.GetPrimAtPath(Sdf.Path(source.path).GetPrimPath())
+        state = attempt(partial(source.read, time), prim, self._report)
+        return state if state is not None else MaterialState(source.path, DEFAULTS)
+
+    def _camera_errors(self) -> AbstractContextManager[None]:
+        return usd_errors(f"{self._file}: the camera {self.camera_path}")
+
+    def _find_size(self, options: ReadOptions, time: Usd.TimeCode) -> tuple[int, int]:
+        size = options.size or settings_size(self._stage, self._report)
+        if size is None:
+            aspect = self._camera.aspect(time)
+            size = (_DEFAULT_WIDTH, max(1, int(_DEFAULT_WIDTH / aspect)))
+        width, height = size
+        if not (1 <= width <= _MAX_SIDE and 1 <= height <= _MAX_SIDE):
+            raise InputError(
+                f"{self._file}: an image of {width}x{height} pixels;"
+                f" expected 1 to {_MAX_SIDE} a side"
+            )
+        return width, height
+
+    def _find_camera_moves(self, frames: Sequence[float]) -> list[float]:
+        if not self._camera.varies:
+            return []
+        moves = []
+        previous: CameraState | None = None
+        for frame in frames:
+            camera = self._camera.read(Usd.TimeCode(frame), self.size)
+            if previous is not None and not same_camera(previous, camera):
+                moves.append(frame)
+            previous = camera
+        return moves
+
+
+def _material_source(material: UsdShade.Material, report: Report) -> MaterialSource | None:
+    shader = preview_surface(material, report)
+    name = str(material.GetPath())
+    return MaterialSource(name, shader, report) if shader is not None else None
+
+
+def _seen(
+    sources: Iterable[_Placed[_S]], time: Usd.TimeCode, hidden: set[str], report: Report
+) -> dict[str, _S | None]:
+    """States by path, None for what is not there; keeps `hidden` the paths of the invisible."""
+    states: dict[str, _S | None] = {}
+    for source in sources:
+        path = source.node.path
+        if source.node.visible:
+            hidden.discard(path)
+            states[path] = attempt(partial(source.read, time), source.node.prim, report)
+        else:
+            hidden.add(path)
+            states[path] = None
+    return states
+
+
+def _updated(old: Mapping[str, _S], changes: Mapping[str, _S | None]) -> Mapping[str, _S]:
+    """`old` with `changes` (None: not there): `old` itself if it already has them."""
+    differing = {path: s for path, s in changes.items() if old.get(path) is not s}
+    if not differing:
+        return old
+    updated = {**old, **{path: s for path, s in differing.items() if s is not None}}
+    for path, state in differing.items():
+        if state is None:
+            updated.pop(path, None)
+    return updated

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A shot at one time, as records. States are immutable, and shared by the snapshots that agree."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irt_usd.stage.values import Value
+
+if TYPE_CHECKING:
+    from irt_usd import _core
+
+Vector = tuple[float, float, float]
+
+
+class Shape(ABC):
+    """Geometry in object space. `attributes` are USD's names and values, "typeName" among them."""
+
+    attributes: Mapping[str, Value]
+
+    @abstractmethod
+    def geometry(self) -> "_core.Quadric | _core.Mesh":
+        """The core's record, made at the first call and shared by later ones."""
+
+    def place(self, world_from_object: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where the record goes when the prim is at `world_from_object`; (4, 4), row vectors."""
+        return world_from_object
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ObjectState:
+    """A visible object."""
+
+    path: str
+    shape: Shape
+    world_from_object: NDArray[np.float64]
+    """(4, 4) float64, `p_world = p_object @ m`, as the prim's ops compose it."""
+    material: str
+    """Key of Snapshot.materials."""
+
+    @property
+    def attributes(self) -> dict[str, Value]:
+        """All that a change is looked for in, by USD attribute name."""
+        return {
+            **self.shape.attributes,
+            "world_from_object": self.world_from_object,
+            "material:binding": self.material,
+        }
+
+    def add_to(self, changes: "_core.ChangeSet") -> None:
+        """Sets the whole record in `changes`."""
+        placed = self.shape.place(self.world_from_object)
+        changes.set_object(self.path, self.shape.geometry(), placed, self.material)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MaterialState:
+    """A material's constants: `attributes` by input name, without "inputs:"."""
+
+    path: str
+    attributes: Mapping[str, Value]
+
+    def core(self) -> "_core.Material":
+        """The core's record."""
+        from irt_usd.stage.materials import core_material
+
+        return core_material(self.attributes)
+
+    def add_to(self, changes: "_core.ChangeSet") -> None:
+        """Sets the whole record in `changes`."""
+        changes.set_material(self.path, self.core())
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LightState:
+    """A visible light, reduced to a delta light."""
+
+    path: str
+    kind: Literal["distant", "point"]
+    attributes: Mapping[str, Value]
+    aim: Vector
+    """World space: the unit direction in which a distant light travels, or a point's position."""
+    energy: Vector
+    """Scene-linear RGB: irradiance at normal incidence, or a point's radiant intensity."""
+    casts_shadows: bool
+
+    def core(self) -> "_core.Light":
+        """The core's record."""
+        from irt_usd import _core
+
+        if self.kind == "distant":
+            return _core.Light.distant(self.aim, self.energy, self.casts_shadows)
+        return _core.Light.point(self.aim, self.energy, self.casts_shadows)
+
+    def add_to(self, changes: "_core.ChangeSet") -> None:
+        """Sets the whole record in `changes`."""
+        changes.set_light(self.path, self.core())
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CameraState:
+    """The shot's camera."""
+
+    path: str
+    attributes: Mapping[str, Value]
+    world_from_camera: NDArray[np.float64]
+    """(4, 4) float64, row vectors; camera space looks along -z, y up."""
+    window: tuple[float, float, float, float]
+    """Left, right, bottom, top: on the plane z = -1 (perspective) or in camera units."""
+    orthographic: bool
+
+    def core(self) -> "_core.Camera":
+        """The core's record."""
+        from irt_usd import _core
+
+        return _core.Camera(self.world_from_camera, self.window, self.orthographic)
+
+
+State = ObjectState | MaterialState | LightState | CameraState
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Snapshot:
+    """Everything that reaches pixels, at one time.
+
+    States that did not change since the reader's previous snapshot are the same objects as there;
+    a dictionary without changes is, too.
+    """
+
+    time: float
+    objects: Mapping[str, ObjectState]
+    materials: Mapping[str, MaterialState]
+    lights: Mapping[str, LightState]
+    camera: CameraState
+    hidden: frozenset[str] = field(default_factory=frozenset)
+    """Objects and lights that are invisible at this time."""

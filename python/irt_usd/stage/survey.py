@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One walk over the stage: what is there to render, and what is there that is not rendered."""
+
+from collections.abc import Container, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+
+from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, UsdVol
+
+from irt_usd.report import Report
+from irt_usd.stage import lights, quadrics
+from irt_usd.stage.diagnostics import attempt
+from irt_usd.stage.transforms import Hierarchy, Node
+
+_NOT_RENDERED = {
+    "BasisCurves": "basis curves",
+    "NurbsCurves": "NURBS curves",
+    "HermiteCurves": "Hermite curves",
+    "NurbsPatch": "NURBS patches",
+    "Points": "points",
+    "PointInstancer": "point instancers",
+    "TetMesh": "tetrahedral meshes",
+    "Volume": "volumes",
+    "Cylinder_1": "cylinders of two radii (Cylinder_1)",
+    "Capsule_1": "capsules of two radii (Capsule_1)",
+}
+
+_LEAVES = frozenset(("PointInstancer", "Volume", "Material", "NodeGraph", "Shader"))
+"""Types whose descendants are theirs to interpret: prototypes, fields, shader nodes."""
+
+
+@dataclass
+class Survey:
+    """What the stage holds, in stage order."""
+
+    hierarchy: Hierarchy
+    objects: list[Node] = field(default_factory=list)
+    lights: list[Node] = field(default_factory=list)
+
+
+def stage_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    """The prims that can have a part in a picture, parents first, instances' own included."""
+    walk = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    for prim in walk:
+        if str(prim.GetTypeName()) in _LEAVES:
+            walk.PruneChildren()
+        yield prim
+
+
+def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey:
+    """Walks active, defined, loaded prims; of what is rendered, lists the given purposes.
+
+    What is inside native instances is listed too, each an object of its own, under its own path.
+    """
+    found = Survey(Hierarchy(report))
+    ancestors: list[Node | None] = []
+    for prim in stage_prims(stage):
+        path = prim.GetPath()
+        del ancestors[path.pathElementCount - 1 :]
+        parent = ancestors[-1] if ancestors else None
+        kind = str(prim.GetTypeName())
+        unread = bool(ancestors) and parent is None
+        node = None if unread else attempt(partial(Node, prim, str(path), parent), prim, report)
+        ancestors.append(node)
+        if node is None:
+            continue
+        found.hierarchy.nodes.append(node)
+        if (node.purpose or "default") in purposes:
+            _sort(node, kind, found, report)
+    return found
+
+
+def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
+    prim = node.prim
+    if kind in quadrics.LENGTHS or kind == "Mesh":
+        found.objects.append(node)
+        found.hierarchy.require(node)
+        if prim.HasAPI(UsdLux.LightAPI):
+            report.unsupported("lights made of geometry (rendered as geometry)", node.path)
+        if kind == "Mesh" and node.skinned and UsdSkel.Root.Find(prim):
+            report.unsupported("UsdSkel deformation (undeformed points rendered)", node.path)
+    elif kind in lights.KINDS:
+        found.lights.append(node)
+        found.hierarchy.require(node)
+    elif kind == "GeomSubset":
+        _report_subset(node, report)
+    elif kind in _NOT_RENDERED:
+        report.unsupported(_NOT_RENDERED[kind], node.path)
+    elif not kind or kind in ("Xform", "Scope"):
+        return
+    elif prim.HasAPI(UsdLux.LightAPI):
+        report.unsupported(f"{kind} lights", node.path)
+    elif prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdVol.Volume):
+        report.unsupported(f"{kind} prims", node.path)
+
+
+def _report_subset(node: Node, report: Report) -> None:
+    bindings = UsdShade.Tokens.materialBinding
+    authored = node.prim.GetAuthoredPropertyNames()
+    if any(name == bindings or name.startswith(f"{bindings}:") for name in authored):
+        path = node.parent.path if node.parent else node.path
+        report.unsupported("GeomSubset materials (the mesh's own rendered)", path)

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes and rays that the trace tests and the exact-hits trial share.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "irt/scene/scene.h"
+#include "irt/trace/intersector.h"
+
+namespace irt::test {
+
+inline M44d translation(const V3d& t) {
+    M44d m;
+    for (int a = 0; a < 3; ++a) m[3][a] = t[a];
+    return m;
+}
+
+inline M44d scaling(const V3d& s) {
+    M44d m;
+    for (int a = 0; a < 3; ++a) m[a][a] = s[a];
+    return m;
+}
+
+/// Rotation by `angle` about `axis` (0, 1, 2).
+inline M44d rotation(int axis, double angle) {
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    M44d m;
+    m[i][i] = m[j][j] = std::cos(angle);
+    m[i][j] = std::sin(angle);
+    m[j][i] = -std::sin(angle);
+    return m;
+}
+
+/// Uniform in (-1, 1).
+class Random {
+  public:
+    explicit Random(std::uint64_t seed) : engine_(seed) {}
+    double operator()() { return std::uniform_real_distribution<double>(-1, 1)(engine_); }
+    std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
+    V3d point() {
+        const double x = (*this)(), y = (*this)(), z = (*this)();
+        return {x, y, z};
+    }
+    V3d direction() {
+        for (;;) {
+            const V3d p = point();
+            const double l = p.length();
+            if (l > 1e-3 && l <= 1) return p / l;
+        }
+    }
+    /// Rotated, scaled within an octave (mirrored once in four), moved within `spread`.
+    M44d transform(double spread) {
+        V3d s(std::exp2(0.5 * (*this)()), std::exp2(0.5 * (*this)()), std::exp2(0.5 * (*this)()));
+        if (below(4) == 0) s.x = -s.x;
+        M44d m = scaling(s);
+        for (int axis = 0; axis < 3; ++axis) m = m * rotation(axis, 3.2 * (*this)());
+        return m * translation(point() * spread);
+    }
+
+  private:
+    std::mt19937_64 engine_;
+};
+
+inline void add_triangle(Mesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
+    mesh.face_vertex_counts.push_back(3);
+    mesh.face_vertex_indices.insert(mesh.face_vertex_indices.end(), {a, b, c});
+}
+
+/// A closed surface of revolution about z, welded: `profile(h)`, h in [0, 1], is (radius, z) and
+/// has radius 0 at both ends. Outward is counter-clockwise.
+template <class Profile>
+std::shared_ptr<Mesh> lathe(int rows, int columns, Profile&& profile) {
+    auto mesh = std::make_shared<Mesh>();
+    const auto vertex = [&](int row, int column) {
+        if (row == 0) return 0;
+        if (row == rows) return (rows - 1) * columns + 1;
+        return 1 + (row - 1) * columns + column % columns;
+    };
+    for (int row = 0; row <= rows; ++row) {
+        const V2d p = profile(static_cast<double>(row) / rows);
+        for (int column = 0; column < (row == 0 || row == rows ? 1 : columns); ++column) {
+            const double angle = 2 * 3.14159265358979323846 * column / columns;
+            mesh->points.emplace_back(V3f(V3d(p.x * std::cos(angle), p.x * std::sin(angle), p.y)));
+        }
+    }
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const int a = vertex(row, column), b = vertex(row, column + 1),
+                      c = vertex(row + 1, column), d = vertex(row + 1, column + 1);
+            if (row > 0) add_triangle(*mesh, a, b, row + 1 < rows ? d : c);
+            if (row + 1 < rows) add_triangle(*mesh, a, d, c);
+        }
+    return mesh;
+}
+
+inline std::shared_ptr<Mesh> ball(int rows, int columns, double radius = 1) {
+    return lathe(rows, columns, [radius](double h) {
+        const double angle = 3.14159265358979323846 * h;
+        const bool pole = h == 0 || h == 1;
+        return V2d(pole ? 0 : radius * std::sin(angle), -radius * std::cos(angle));
+    });
+}
+
+/// A chessman of sorts, `size` wide and 2 * `size` high, standing on z = 0.
+inline std::shared_ptr<Mesh> pawn(int rows, int columns, double size = 1) {
+    return lathe(rows, columns, [size](double h) {
+        const bool pole = h == 0 || h == 1;
+        return V2d(pole ? 0 : size * (0.45 - 0.3 * h + 0.12 * std::sin(9 * h)), h * 2 * size);
+    });
+}
+
+/// `n` by `n` aligned squares of side `step` on z = 0 about the origin; two triangles each.
+inline std::shared_ptr<Mesh> board(int n, double step) {
+    auto mesh = std::make_shared<Mesh>();
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j)
+            mesh->points.emplace_back(V3f(V3d((i - n / 2) * step, (j - n / 2) * step, 0)));
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const int a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
+            add_triangle(*mesh, a, c, b);
+            add_triangle(*mesh, b, c, d);
+        }
+    return mesh;
+}
+
+/// A closed box [-1, 1]^3 of quads.
+inline std::shared_ptr<Mesh> box() {
+    auto mesh = std::make_shared<Mesh>();
+    for (int i = 0; i < 8; ++i)
+        mesh->points.emplace_back(static_cast<float>(i & 1 ? 1 : -1),
+                                  static_cast<float>(i & 2 ? 1 : -1),
+                                  static_cast<float>(i & 4 ? 1 : -1));
+    mesh->face_vertex_counts.assign(6, 4);
+    mesh->face_vertex_indices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    return mesh;
+}
+
+inline Quadric quadric(QuadricKind kind) {
+    Quadric q;
+    q.kind = kind;
+    return q;
+}
+
+inline const std::vector<std::pair<QuadricKind, const char*>>& quadric_kinds() {
+    static const std::vector<std::pair<QuadricKind, const char*>> kinds{
+        {QuadricKind::Sphere, "sphere"},     {QuadricKind::Cube, "cube"},
+        {QuadricKind::Cylinder, "cylinder"}, {QuadricKind::Cone, "cone"},
+        {QuadricKind::Capsule, "capsule"},   {QuadricKind::Plane, "plane"}};
+    return kinds;
+}
+
+/// Collects objects of three materials ("opaque", "glass", "red glass") and makes the scene.
+class SceneBuilder {
+  public:
+    SceneBuilder() {
+        Material opaque, glass, red;
+        glass.opacity = 0;
+        glass.diffuse_color = V3f(0.5f, 0.25f, 0.75f);
+        red.opacity = 0.25f;
+        red.diffuse_color = V3f(1, 0.5f, 0);
+        changes_.materials = {{"opaque", opaque}, {"glass", glass}, {"red glass", red}};
+    }
+    void add(Geometry geometry, const M44d& world_from_object,
+             const std::string& material = "opaque") {
+        changes_.objects["/o" + std::to_string(count_++)] =
+            Object{std::move(geometry), world_from_object, material};
+    }
+    [[nodiscard]] const ChangeSet& changes() const { return changes_; }
+    [[nodiscard]] std::unique_ptr<Scene> scene(const V3d& render_origin = V3d(0, 0, 0)) const {
+        auto scene = std::make_unique<Scene>(render_origin);
+        scene->apply(changes_);
+        return scene;
+    }
+
+  private:
+    ChangeSet changes_;
+    int count_ = 0;
+};
+
+inline std::vector<std::uint32_t> all_slots(const Scene& scene) {
+    std::vector<std::uint32_t> slots(scene.objects().size());
+    for (std::uint32_t i = 0; i < slots.size(); ++i) slots[i] = i;
+    return slots;
+}
+
+inline std::unique_ptr<trace::Intersector> intersector(const Scene& scene,
+                                                       trace::TreeOptions options = {},
+                                                       const std::string& isa = "avx2") {
+    auto made = std::make_unique<trace::Intersector>(isa, 0, options);
+    made->commit(scene, all_slots(scene));
+    return made;
+}
+
+inline bool same_bits(double a, double b) { return __builtin_memcmp(&a, &b, sizeof a) == 0; }
+
+inline bool same(const trace::Hit& a, const trace::Hit& b) {
+    return same_bits(a.t, b.t) && same_bits(a.u, b.u) && same_bits(a.v, b.v) &&
+           a.object == b.object && a.part == b.part && a.primitive == b.primitive &&
+           a.piece == b.piece;
+}
+
+inline trace::Ray ray(const V3d& origin, const V3d& direction,
+                      double t_max = std::numeric_limits<double>::infinity()) {
+    return trace::make_ray(V3f(origin), V3f(direction), static_cast<float>(t_max));
+}
+
+}  // namespace irt::test

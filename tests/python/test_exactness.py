@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contracts C1 and C2 over random scenes and edits: the film is that of a fresh renderer, whatever
+the edits, threads, order of cells, trees and floating-point state of the host."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import scenes
+from irt_usd import _core
+
+
+@given(
+    edits=scenes.shot,
+    samples=st.sampled_from((1, 4)),
+    size=st.sampled_from(((24, 20), (24, 20), (33, 17), (7, 5), (1, 1))),
+)
+@settings(max_examples=500, deadline=None)
+def test_film_after_edits_is_that_of_a_fresh_renderer(
+    edits: list[list[tuple[Any, ...]]], samples: int, size: tuple[int, int]
+) -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer(*size, samples=samples)
+    renderer.update(state.fresh())
+    for frame in edits:
+        done = renderer.update(state.apply(frame))
+        assert done["restart"] is None
+        judge = scenes.renderer(*size, samples=samples, history=False)
+        judge.update(state.fresh())
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+        assert done["all_rays"] == judge.update(_core.ChangeSet())["all_rays"]
+
+
+@given(edits=scenes.shot)
+@settings(max_examples=60, deadline=None)
+def test_every_pixel_is_that_of_the_brute_force_twin(edits: list[list[tuple[Any, ...]]]) -> None:
+    state = scenes.initial()
+    for frame in edits:
+        state.apply(frame)
+    renderer = scenes.renderer(12, 10)
+    renderer.update(state.fresh())
+    for y in range(10):
+        for x in range(12):
+            twin = renderer.brute_force_pixel(x, y)
+            assert twin["beauty"].tobytes() == renderer.beauty()[y, x].tobytes()
+            for name in scenes.AOVS:
+                assert twin[name].tobytes() == renderer.aov(name)[y, x].tobytes()
+
+
+@given(edits=scenes.shot, order=st.permutations(range(64)))
+@settings(max_examples=30, deadline=None)
+def test_threads_and_cell_order_do_not_show(
+    edits: list[list[tuple[Any, ...]]], order: list[int]
+) -> None:
+    films = set()
+    for options in ({"threads": 1}, {"threads": 2}, {"threads": 3}, {"threads": 7},
+                    {"cell_order": order}, {"history": False}):  # fmt: skip
+        state = scenes.initial()
+        renderer = scenes.renderer(**options)
+        renderer.update(state.fresh())
+        for frame in edits:
+            renderer.update(state.apply(frame))
+        films.add(scenes.film_bits(renderer))
+    assert len(films) == 1
+
+
+def test_instruction_set_does_not_show() -> None:
+    state = scenes.initial()
+    films = set()
+    for isa in ("sse2", "sse4.2", "avx", "avx2"):
+        renderer = scenes.renderer(96, 80, isa=isa)
+        renderer.update(state.fresh())
+        films.add(scenes.film_bits(renderer))
+    assert len(films) == 1
+
+
+def test_nothing_changed_costs_no_ray() -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer()
+    first = renderer.update(state.fresh())
+    again = renderer.update(state.fresh())
+    assert first["restart"] is None
+    assert again["restart"] is None
+    assert again["retraced_rays"] == 0
+    assert again["shadings"] == 0
+    assert again["all_rays"] == first["all_rays"] != 0
+
+
+GLASS = _core.Material(opacity=0.1, roughness=0.0, ior=1.5)
+OPAQUE = _core.Material(diffuse_color=(0.2, 0.4, 0.8))
+
+
+@pytest.mark.parametrize(("before", "after"), [(GLASS, OPAQUE), (OPAQUE, GLASS)])
+def test_rebinding_from_a_material_that_changes_in_the_same_frame(
+    before: _core.Material, after: _core.Material
+) -> None:
+    """The new material's tint equals the old one's new tint, not the tint that was."""
+    state = scenes.glass_before_floor()
+    state.apply([("material", "/glass", before)])
+    renderer = scenes.renderer()
+    renderer.update(state.fresh())
+    edits = [("material", "/glass", after), ("material", "/red", after), ("bind", "/b", "/red")]
+    renderer.update(state.apply(edits))
+    judge = scenes.renderer(history=False)
+    judge.update(state.fresh())
+    assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+
+
+def test_a_refused_camera_leaves_everything_as_it_was() -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer()
+    renderer.update(state.fresh())
+    changes = state.apply([("move", "/a", scenes.floor(2.0))])
+    with pytest.raises(ValueError, match="camera"):
+        renderer.update(changes, _core.Camera(np.eye(4), (0, 0, 0, 0)))
+    renderer.update(changes)
+    judge = scenes.renderer(history=False)
+    judge.update(state.fresh())
+    assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+
+
+def test_removed_materials_bind_nothing() -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer()
+    renderer.update(state.fresh())
+    gone = _core.ChangeSet()
+    gone.remove_material("/lamp")
+    renderer.update(gone)
+    with pytest.raises(ValueError, match="/lamp"):
+        renderer.update(scenes.State(objects=state.objects).apply([("bind", "/a", "/lamp")]))
+
+
+def test_a_material_of_empty_name_casts_shadows() -> None:
+    films = []
+    for name in ("", "/plain"):
+        state = scenes.initial()
+        state.apply([("material", name, _core.Material())])
+        state.apply([("object", "/b", _core.Quadric.plane(3, 3), scenes.floor(1.5), name)])
+        renderer = scenes.renderer()
+        renderer.update(state.fresh())
+        films.append(scenes.film_bits(renderer))
+    assert films[0] == films[1]
+
+
+def test_updates_cost_what_changed() -> None:
+    """A small object that moves a little retraces a small part; a light that dims, nothing."""
+    state = scenes.initial()
+    renderer = scenes.renderer(160, 120)
+    renderer.update(state.fresh())
+    moved = renderer.update(state.apply([("move", "/a", scenes.floor(1.01))]))
+    assert 0 < moved["retraced_rays"] < 0.3 * moved["all_rays"]
+    assert moved["flagged_rays"] < moved["all_rays"]
+    dimmer = _core.Light.distant((0.3, -1, -0.2), (0.5, 0.5, 0.4))
+    dimmed = renderer.update(state.apply([("light", "/key", dimmer)]))
+    assert dimmed["restart"] is None
+    assert dimmed["retraced_rays"] == dimmed["intersections"] == sum(dimmed["rays"].values()) == 0
+    recolored = _core.Material(diffuse_color=(0.1, 0.8, 0.1))
+    shaded = renderer.update(state.apply([("material", "/red", recolored)]))
+    assert shaded["intersections"] == shaded["retraced_rays"] == 0
+    assert shaded["shadings"] > 0
+
+
+def test_an_update_within_an_update_is_refused() -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer(400, 400, samples=16)
+    refusals: list[int] = []
+
+    def again(_part: float) -> None:
+        if refusals:
+            return  # the update may have ended by now
+        with pytest.raises(RuntimeError, match="running already"):
+            renderer.update(state.fresh())
+        refusals.append(1)
+
+    renderer.update(state.fresh(), on_progress=again)
+    assert refusals
+
+
+def test_scene_far_from_the_origin_renders_as_at_the_origin() -> None:
+    """10^7 units away, for all but 0.01 % of pixels."""
+    here = scenes.initial()
+    away = np.array([1e7, -1e7, 1e7])
+    there = scenes.State(materials=here.materials, lights=here.lights)
+    for name, (shape, matrix, material) in here.objects.items():
+        moved = matrix.copy()
+        moved[3, :3] += away
+        there.objects[name] = (shape, moved, material)
+    films = []
+    for state, origin in ((here, np.zeros(3)), (there, away)):
+        matrix = np.eye(4)
+        matrix[3, :3] = origin
+        camera = _core.Camera(matrix, (-0.6, 0.6, -0.5, 0.5))
+        renderer = _core.Renderer(camera, _core.ViewSettings(480, 400))
+        renderer.update(state.fresh())
+        films.append(renderer.beauty().copy())
+    differing = np.any(films[0] != films[1], axis=2)
+    assert differing.mean() <= 1e-4
+
+
+HOST_STATE = """
+import ctypes, sys
+import scenes
+from irt_usd import _core
+FLUSH_TO_ZERO_AND_TOWARDS_ZERO = 0x1F80 | 0x8040 | 0x6000
+class Environment(ctypes.Structure):
+    _fields_ = [("x87", ctypes.c_uint8 * 28), ("mxcsr", ctypes.c_uint32)]
+libm = ctypes.CDLL("libm.so.6")
+def mxcsr():
+    environment = Environment()
+    libm.fegetenv(ctypes.byref(environment))
+    return environment
+state = scenes.initial()
+changes = state.fresh()  # made by the host's own arithmetic
+if sys.argv[1] == "hostile":
+    environment = mxcsr()
+    environment.mxcsr = FLUSH_TO_ZERO_AND_TOWARDS_ZERO
+    libm.fesetenv(ctypes.byref(environment))
+renderer = scenes.renderer(48, 40)
+renderer.update(changes)
+bits = scenes.film_bits(renderer)
+left = mxcsr().mxcsr & 0xFFC0
+assert left == ((FLUSH_TO_ZERO_AND_TOWARDS_ZERO if sys.argv[1] == "hostile" else 0x1F80) & 0xFFC0)
+import hashlib
+print(hashlib.sha256(bits).hexdigest(), _core.numeric_fingerprint())
+"""
+
+
+def test_floating_point_state_of_the_host_neither_shows_nor_is_lost() -> None:
+    """A host that left flush-to-zero and rounding towards zero on gets the same image and
+    fingerprint, and finds its state as it was."""
+    outputs = {
+        subprocess.run(
+            [sys.executable, "-c", HOST_STATE, mode],
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for mode in ("plain", "hostile")
+    }
+    assert len(outputs) == 1

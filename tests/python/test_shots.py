@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shots in the repository are what their scripts write, and hold what the docs say."""
+
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom
+
+from shots.bench import make_bench
+from shots.demo import make_demo
+from shots.paper import make_paper
+
+SHOTS = Path(make_demo.__file__).parents[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "build"),
+    [
+        ("demo/chess.usda", make_demo.build),
+        ("paper/chess.usda", partial(make_paper.chess, lights=1)),
+        ("paper/chess_3_lights.usda", partial(make_paper.chess, lights=3)),
+        ("paper/spheres.usda", make_paper.spheres),
+    ],
+)
+def test_shot_is_what_its_script_writes(name: str, build: Callable[[], Usd.Stage]) -> None:
+    stored = Sdf.Layer.FindOrOpen(str(SHOTS / name))
+    assert build().GetRootLayer().ExportToString() == stored.ExportToString()
+
+
+def test_demo_is_a_whole_shot() -> None:
+    stage = make_demo.build()
+    assert stage.GetDefaultPrim()
+    assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
+    assert stage.GetTimeCodesPerSecond() == 24
+    assert stage.GetEndTimeCode() - stage.GetStartTimeCode() + 1 >= 48
+
+
+def test_demo_holds_still_between_events() -> None:
+    stage = make_demo.build()
+    attributes = [attribute for prim in stage.Traverse() for attribute in prim.GetAttributes()]
+    keyed = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    frames = range(make_demo.FIRST, make_demo.LAST + 1)
+    values = [[attribute.Get(frame) for attribute in keyed] for frame in frames]
+    still = sum(a == b for a, b in pairwise(values))
+    assert still == 22
+    assert len(keyed) == 5
+
+
+def count_solids(stage: Usd.Stage) -> Counter[str]:
+    kinds = (prim.GetTypeName() for prim in stage.Traverse() if prim.IsA(UsdGeom.Gprim))
+    return Counter(str(kind) for kind in kinds)
+
+
+def test_paper_scenes_have_the_paper_s_counts() -> None:
+    chess, spheres = make_paper.chess(lights=1), make_paper.spheres()
+    assert count_solids(chess).total() == 144
+    assert count_solids(spheres) == {"Sphere": 125, "Plane": 1}
+    pawn = chess.GetPrimAtPath("/World/white/pawn_f4")
+    assert len(pawn.GetChildren()) == 7
+    assert "Mesh" not in count_solids(chess)
+
+
+def test_paper_edits_are_undone_in_odd_frames() -> None:
+    for stage in (make_paper.chess(lights=1), make_paper.chess(lights=3), make_paper.spheres()):
+        for prim in stage.Traverse():
+            for attribute in prim.GetAttributes():
+                odd = range(1, int(stage.GetEndTimeCode()) + 1, 2)
+                assert len({str(attribute.Get(frame)) for frame in odd}) == 1, attribute.GetPath()
+
+
+def test_benchmark_scenes_have_their_size() -> None:
+    triangles, parade = make_bench.triangles(), make_bench.instances()
+    meshes = [UsdGeom.Mesh(prim) for prim in triangles.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    corners = [len(mesh.GetFaceVertexIndicesAttr().Get()) for mesh in meshes]
+    faces = [len(mesh.GetFaceVertexCountsAttr().Get()) for mesh in meshes]
+    assert sum(corners) - 2 * sum(faces) == 1_322_976
+    assert sum(prim.IsInstance() for prim in parade.Traverse()) == 500

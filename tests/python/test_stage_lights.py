@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights: UsdLux's units as a delta light's, and what of a light is not rendered."""
+
+from math import cos, pi, radians, sin
+
+import pytest
+from pxr import UsdLux
+
+from conftest import MakeShot, ReadShot
+from irt_usd.stage import LightState, ReadOptions
+from irt_usd.stage.lights import CAMERA_LIGHT
+
+UNIT = "float inputs:intensity = 1\n"
+OPS = 'uniform token[] xformOpOrder = ["xformOp:{}"]\n'
+
+
+def light(kind: str, body: str, schemas: str = "") -> str:
+    metadata = f'(\nprepend apiSchemas = ["{schemas}"]\n)' if schemas else ""
+    return f'def {kind} "L" {metadata}\n{{\n{body}\n}}'
+
+
+def lit(made: ReadShot, time: float = 1) -> LightState:
+    return made.read(time).lights["/L"]
+
+
+def energy(made: ReadShot) -> float:
+    red, green, blue = lit(made).energy
+    assert red == green == blue
+    return red
+
+
+@pytest.mark.parametrize("angle", [0.53, 30, 180])
+def test_distant_irradiance(shot: MakeShot, angle: float) -> None:
+    made = shot(light("DistantLight", f"{UNIT}float inputs:angle = {angle}"))
+    assert energy(made) == pytest.approx(pi * sin(radians(angle) / 2) ** 2)
+
+
+def test_distant_irradiance_is_the_integral_over_its_disk(shot: MakeShot) -> None:
+    half = radians(20)
+    steps = 4000
+    width = half / steps
+    angles = [(i + 0.5) * width for i in range(steps)]
+    integral = sum(2 * pi * cos(a) * sin(a) * width for a in angles)
+    made = shot(light("DistantLight", f"{UNIT}float inputs:angle = 40"))
+    assert energy(made) == pytest.approx(integral, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("angle", "normalize", "expected"),
+    [
+        (0, 0, 1),
+        (0, 1, 1),
+        (0.53, 1, 1),
+        (180, 1, 1),
+        (270, 0, pi),
+        (270, 1, 1 / 1.5),
+        (720, 1, 0.5),
+    ],
+)
+def test_distant_normalize(shot: MakeShot, angle: float, normalize: int, expected: float) -> None:
+    body = f"{UNIT}float inputs:angle = {angle}\nbool inputs:normalize = {normalize}"
+    assert energy(shot(light("DistantLight", body))) == pytest.approx(expected)
+
+
+def test_distant_default_intensity_is_the_suns(shot: MakeShot) -> None:
+    made = shot(light("DistantLight", "bool inputs:normalize = 1"))
+    assert energy(made) == 50000
+
+
+def test_distant_direction(shot: MakeShot) -> None:
+    assert lit(shot(light("DistantLight", UNIT))).aim == (0, 0, -1)
+    body = UNIT + "float xformOp:rotateY = 90\n" + OPS.format("rotateY")
+    assert lit(shot(light("DistantLight", body))).aim == pytest.approx((-1, 0, 0))
+
+
+@pytest.mark.parametrize(("radius", "scale"), [(0.5, 1), (0.5, 4), (2, 0.25)])
+def test_sphere_intensity(shot: MakeShot, radius: float, scale: float) -> None:
+    ops = f"float3 xformOp:scale = ({scale}, {scale}, {scale})\n" + OPS.format("scale")
+    body = f"{UNIT}float inputs:radius = {radius}\n{ops}"
+    assert energy(shot(light("SphereLight", body))) == pytest.approx(pi * (radius * scale) ** 2)
+    normal = body + "bool inputs:normalize = 1"
+    assert energy(shot(light("SphereLight", normal))) == 0.25
+
+
+def test_sphere_position(shot: MakeShot) -> None:
+    ops = "double3 xformOp:translate = (1, 2, 3)\n" + OPS.format("translate")
+    state = lit(shot(light("SphereLight", UNIT + ops)))
+    assert state.kind == "point"
+    assert state.aim == (1, 2, 3)
+
+
+def test_turning_a_sphere_light_is_no_change_of_energy(shot: MakeShot) -> None:
+    ops = "float3 xformOp:rotateXYZ.timeSamples = {1: (0,0,0), 30: (77,123,45)}\n"
+    made = shot(light("SphereLight", UNIT + ops + OPS.format("rotateXYZ")))
+    assert len({lit(made, t).energy for t in range(1, 31)}) == 1
+
+
+def test_zero_radius_is_mentioned(shot: MakeShot) -> None:
+    made = shot(light("SphereLight", UNIT + "float inputs:radius = 0\nbool treatAsPoint = 1"))
+    assert energy(made) == 0
+    assert any("unless normalized" in text for text in made.notices("mentioned"))
+
+
+def test_exposure_colour_and_temperature(shot: MakeShot) -> None:
+    body = """
+float inputs:intensity = 3
+float inputs:exposure = 2
+color3f inputs:color = (0.5, 1, 2)
+bool inputs:enableColorTemperature = 1
+float inputs:colorTemperature = 3000
+bool inputs:normalize = 1
+"""
+    found = lit(shot(light("DistantLight", body))).energy
+    tint = UsdLux.BlackbodyTemperatureAsRgb(3000)
+    assert found == pytest.approx((6 * tint[0], 12 * tint[1], 24 * tint[2]))
+    off = body.replace("enableColorTemperature = 1", "enableColorTemperature = 0")
+    assert lit(shot(light("DistantLight", off))).energy == (6, 12, 24)
+
+
+def test_shadow_enable(shot: MakeShot) -> None:
+    assert lit(shot(light("SphereLight", UNIT))).casts_shadows
+    off = light("SphereLight", UNIT + "bool inputs:shadow:enable = 0", "ShadowAPI")
+    assert not lit(shot(off)).casts_shadows
+
+
+@pytest.mark.parametrize(
+    ("schema", "line"),
+    [
+        ("", "float inputs:diffuse = 0.5"),
+        ("", "float inputs:specular = 0"),
+        ("ShapingAPI", "float inputs:shaping:cone:angle = 30"),
+        ("ShapingAPI", "asset inputs:shaping:ies:file = @a.ies@"),
+        ("ShadowAPI", "color3f inputs:shadow:color = (1, 0, 0)"),
+        ("", "bool collection:lightLink:includeRoot = 0"),
+        ("", "rel collection:shadowLink:excludes = </S>"),
+        ("", "rel light:filters = </F>"),
+    ],
+)
+def test_what_is_not_rendered_is_reported(shot: MakeShot, schema: str, line: str) -> None:
+    made = shot(light("SphereLight", UNIT + line, schema))
+    assert lit(made)
+    (text,) = made.notices("unsupported")
+    assert text.endswith(": /L")
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["float inputs:intensity = nan", "float inputs:exposure = inf", "float inputs:radius = -1"],
+)
+def test_unusable_light(shot: MakeShot, line: str) -> None:
+    made = shot(light("SphereLight", line))
+    assert not made.read().lights
+    (text,) = made.notices("skipped")
+    assert "/L.inputs:" in text
+    assert "shot.usda" in text
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'string inputs:intensity = "bright"',
+        "color3f[] inputs:color = [(1, 1, 1)]",
+        "double inputs:normalize = 1",
+        "float2 inputs:color = (1, 1)",
+    ],
+)
+def test_wrong_type_means_the_fallback_and_is_located(shot: MakeShot, line: str) -> None:
+    made = shot(light("SphereLight", line))
+    assert lit(made).energy == pytest.approx((pi / 4,) * 3)
+    (text,) = made.notices("skipped")
+    assert "/L.inputs:" in text
+
+
+@pytest.mark.parametrize("exposure", [200, 5000])
+def test_too_bright(shot: MakeShot, exposure: int) -> None:
+    made = shot(light("SphereLight", f"{UNIT}float inputs:exposure = {exposure}"))
+    assert not made.read().lights
+    assert "single precision" in made.notices("skipped")[0]
+
+
+def test_unusable_transform(shot: MakeShot) -> None:
+    ops = "float3 xformOp:scale = (1, 1, {})\n" + OPS.format("scale")
+    for value in ("nan", "0"):
+        made = shot(light("DistantLight", UNIT + ops.format(value)))
+        assert not made.read().lights
+        assert "/L.xformOp:scale in " in made.notices("skipped")[0]
+
+
+def test_visibility_of_lights(shot: MakeShot) -> None:
+    keys = 'token visibility.timeSamples = {1: "inherited", 2: "invisible"}'
+    made = shot(light("SphereLight", UNIT + keys))
+    assert "/L" in made.read(1).lights
+    assert not made.read(2).lights
+    assert made.read(2).hidden == {"/L"}
+
+
+@pytest.mark.parametrize("kind", ["RectLight", "DomeLight", "DiskLight", "CylinderLight"])
+def test_other_lights_give_way_to_the_camera_light(shot: MakeShot, kind: str) -> None:
+    made = shot(light(kind, UNIT))
+    state = made.read().lights[CAMERA_LIGHT]
+    assert state.energy == (pi, pi, pi)
+    assert state.aim == (0, 0, -1)
+    assert made.reader.camera_light
+    assert any(f"{kind} lights" in text for text in made.notices("unsupported"))
+    assert any("light at the camera" in text for text in made.notices("mentioned"))
+
+
+def test_camera_light_can_be_turned_off(shot: MakeShot) -> None:
+    made = shot("", options=ReadOptions(camera_light=False))
+    assert not made.read().lights
+    assert any("none at the camera" in text for text in made.notices("mentioned"))
+
+
+def test_a_hidden_light_is_no_reason_for_a_camera_light(shot: MakeShot) -> None:
+    made = shot(light("SphereLight", UNIT + 'token visibility = "invisible"'))
+    assert not made.read().lights
+    assert not made.reader.camera_light
+
+
+def test_camera_light_follows_the_camera(shot: MakeShot) -> None:
+    camera = 'def Camera "cam"\n{\nfloat xformOp:rotateY.timeSamples = {1: 0, 3: 90}\n'
+    made = shot(camera + OPS.format("rotateY") + "}")
+    first, second = made.read(1), made.read(3)
+    assert first.lights[CAMERA_LIGHT].aim == (0, 0, -1)
+    assert second.lights[CAMERA_LIGHT].aim == pytest.approx((-1, 0, 0))
+    assert made.read(4).lights is second.lights
+
+
+def test_core_record(shot: MakeShot) -> None:
+    from irt_usd import _core as core
+
+    for kind in ("SphereLight", "DistantLight"):
+        assert isinstance(lit(shot(light(kind, UNIT))).core(), core.Light)
