@@ -54,15 +54,28 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
     return std::make_unique<Renderer>(camera, settings, options);
 }
 
+/// Of the cells of an update: counts summed, seconds of all threads together.
 py::dict statistics(const UpdateReport& report) {
     update::UpdateCounts sum;
-    py::list cell_rays;
-    for (const update::UpdateCounts& cell : report.cells) {
-        sum += cell;
-        cell_rays.append(cell.rays.rays());
+    CellReport seconds;
+    py::list cell_rays, cell_seconds;
+    for (const CellReport& cell : report.cells) {
+        sum += cell.counts;
+        seconds.detect += cell.detect;
+        seconds.test += cell.test;
+        seconds.shade += cell.shade;
+        seconds.combine += cell.combine;
+        seconds.write += cell.write;
+        cell_rays.append(cell.counts.rays.rays());
+        cell_seconds.append(cell.detect + cell.test + cell.shade + cell.combine + cell.write +
+                            cell.trace);
     }
     const shade::Counts& rays = sum.rays;
+    const HistorySize& history = report.history;
     using py::literals::operator""_a;
+    py::dict bytes;
+    for (const auto& [kind, size] : history.bytes)
+        bytes[py::str(std::string(kind))] = size;
     return py::dict(
         "restart"_a =
             report.restart.empty() ? py::object(py::none()) : py::object(py::str(report.restart)),
@@ -71,14 +84,22 @@ py::dict statistics(const UpdateReport& report) {
         "all_rays"_a = report.all_rays, "flagged_rays"_a = sum.flagged,
         "tested_rays"_a = sum.tested, "retraced_rays"_a = sum.retraced,
         "changed_rays"_a = sum.changed, "new_rays"_a = sum.new_rays,
-        "whole_scene_rays"_a = sum.whole_scene, "nodes_traversed"_a = sum.nodes_traversed,
+        "uncovered_rays"_a = sum.uncovered, "whole_scene_rays"_a = sum.whole_scene,
+        "nodes_traversed"_a = sum.nodes_traversed,
         "intersections"_a = rays.queries.candidates, "shadings"_a = rays.shadings,
-        "history_bytes"_a = report.history_bytes,
-        "seconds"_a =
-            py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
-                     "trace"_a = report.trace_seconds,
-                     "total"_a = report.apply_seconds + report.bvh_seconds + report.trace_seconds),
-        "cells"_a = py::dict("rays"_a = cell_rays));
+        "history"_a = py::dict("nodes"_a = history.nodes, "points"_a = history.points,
+                               "all_bytes"_a = history.all_bytes(),
+                               "bytes"_a = bytes),
+        "seconds"_a = py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
+                               "plan"_a = report.plan_seconds, "trace"_a = report.trace_seconds,
+                               "total"_a = report.apply_seconds + report.bvh_seconds +
+                                           report.plan_seconds + report.trace_seconds),
+        "cells"_a = py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds,
+                             "phases"_a = py::dict("detect"_a = seconds.detect,
+                                                   "test"_a = seconds.test,
+                                                   "shade"_a = seconds.shade,
+                                                   "combine"_a = seconds.combine,
+                                                   "write"_a = seconds.write)));
 }
 
 /// Runs the update beside the interpreter's thread, which goes on to poll signals and report.

@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/renderer.h"
 
-#include <chrono>
 #include <stdexcept>
 
+#include "irt/math/stopwatch.h"
 #include "irt/scene/equality.h"
 #include "irt/update/make_plan.h"
 
 namespace irt {
 
 namespace {
-
-class Stopwatch {
-  public:
-    /// Seconds since construction or the last call.
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        const std::chrono::duration<double> elapsed = now - start_;
-        start_ = now;
-        return elapsed.count();
-    }
-
-  private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Holds `flag` up; throws if it is up already.
 class Exclusive {
@@ -71,7 +57,7 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
 
     // Whatever throws from here on leaves the film to be made anew, and the trees to catch up.
     film_is_current_ = false;
-    std::vector<trace::Box> old_footprints = update::footprints(intersector_, applied.geometry);
+    const std::vector<trace::Box> old_boxes = update::object_boxes(intersector_, applied.geometry);
     uncommitted_.insert(uncommitted_.end(), applied.geometry.begin(), applied.geometry.end());
     if (!uncommitted_.empty() || first) intersector_.commit(scene_, uncommitted_);
     uncommitted_.clear();
@@ -80,7 +66,8 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     report.traced = true;
     if (was_current && !camera_changed && view_.has_history()) {
         const update::Plan plan =
-            update::make_plan(scene_, intersector_, applied, std::move(old_footprints), old_lights);
+            update::make_plan(scene_, intersector_, view_.grid(), applied, old_boxes, old_lights);
+        report.plan_seconds = watch.lap();
         view_.update(scene_, intersector_, plan, options_.threads, options_.cell_order,
                      report.cells);
         film_is_current_ = true;
@@ -93,15 +80,15 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
             scene_, intersector_, options_.threads, options_.cell_order, control, report.cells);
         report.stopped = !film_is_current_;
     }
+    report.trace_seconds = watch.lap();
     if (view_.has_history()) {
-        film_rays_ = view_.history_rays();
-        report.history_bytes = view_.history_bytes();
+        report.history = view_.history_size();
+        film_rays_ = report.history.rays;
     } else {
         film_rays_ = 0;
-        for (const update::UpdateCounts& cell : report.cells) film_rays_ += cell.rays.rays();
+        for (const CellReport& cell : report.cells) film_rays_ += cell.counts.rays.rays();
     }
     report.all_rays = film_rays_;
-    report.trace_seconds = watch.lap();
     return report;
 }
 

@@ -29,8 +29,8 @@ struct UpdateReport {
     bool traced = false;  ///< false: nothing had changed, the film stands
     bool stopped = false;
     std::uint64_t all_rays = 0;  ///< that make up the film
-    std::size_t history_bytes = 0;
-    double apply_seconds = 0, bvh_seconds = 0, trace_seconds = 0;
+    HistorySize history;         ///< empty where none is kept
+    double apply_seconds = 0, bvh_seconds = 0, plan_seconds = 0, trace_seconds = 0;
     CellReports cells;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "irt/math/float_state.h"
+#include "irt/math/stopwatch.h"
 #include "irt/scene/compile.h"
 #include "irt/trace/brute_force.h"
 
@@ -18,6 +19,10 @@ namespace {
 constexpr int max_side = 65536;
 constexpr int max_samples = 4096;
 constexpr int max_depth = 64;
+
+/// Samples to a distinct path: room in the table is made for so few. Where there are more, paths
+/// share a place that is always flagged.
+constexpr std::size_t samples_a_path = 8;
 
 ViewSettings checked(const ViewSettings& s) {
     if (s.width < 1 || s.height < 1 || s.width > max_side || s.height > max_side)
@@ -70,6 +75,12 @@ int block_rows(const ViewSettings& settings) {
 }
 
 }  // namespace
+
+std::size_t HistorySize::all_bytes() const {
+    std::size_t sum = 0;
+    for (const auto& [kind, size] : bytes) sum += size;
+    return sum;
+}
 
 View::View(const Camera& camera, const ViewSettings& settings, const V3d& render_origin)
     : settings_(checked(settings)),
@@ -141,19 +152,19 @@ film::PixelValue View::traced_pixel(const shade::Whitted<Source>& whitted, int x
 }
 
 film::PixelValue View::recorded_pixel(const update::CellUpdate& cell,
-                                      history::NodeIndex first_root) const {
+                                      history::SampleIndex first_sample) const {
     return pixel([&](int s, shade::FirstHit& first) {
-        const history::NodeIndex root = first_root + static_cast<history::NodeIndex>(s);
-        first = cell.first_hit(root);
-        return cell.radiance(root);
+        const history::SampleIndex sample = first_sample + static_cast<history::SampleIndex>(s);
+        first = cell.first_hit(sample, s == 0 && film_.has_aovs());
+        return cell.radiance(sample);
     });
 }
 
 /// The colour alone, where what the samples see stands.
-V3f View::recorded_color(const update::CellUpdate& cell, history::NodeIndex first_root) const {
+V3f View::recorded_color(const update::CellUpdate& cell, history::SampleIndex first) const {
     V3d sum{0, 0, 0};
     for (int s = 0; s < settings_.samples; ++s)
-        sum += V3d(cell.radiance(first_root + static_cast<history::NodeIndex>(s)));
+        sum += V3d(cell.radiance(first + static_cast<history::SampleIndex>(s)));
     return V3f(sum / settings_.samples);
 }
 
@@ -167,95 +178,152 @@ bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, 
         for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
             scratch.counts = {};
             back_.set(x, y, traced_pixel(whitted, x, y, scratch));
-            update::UpdateCounts& counts = reports[cell];
-            counts.rays += scratch.counts;
-            counts.new_rays += scratch.counts.rays();
+            reports[cell].counts.rays += scratch.counts;
         });
     });
     if (control.stop) return false;
     // A full trace flags, retraces and changes every ray.
-    for (update::UpdateCounts& counts : reports)
-        counts.flagged = counts.retraced = counts.changed = counts.new_rays;
+    for (CellReport& report : reports) {
+        update::UpdateCounts& counts = report.counts;
+        counts.flagged = counts.retraced = counts.changed = counts.rays.rays();
+        counts.new_rays = counts.rays.rays() - counts.rays.shadow;
+    }
     std::swap(film_, back_);
+    has_history_ = false;
     return true;
 }
 
 bool View::trace_and_record(const Scene& scene, const trace::Intersector& intersector, int threads,
                             const cells::CellOrder& order, cells::Control& control,
                             CellReports& reports) {
-    history_ = std::make_unique<History>();
+    has_history_ = false;
+    if (!history_) history_ = std::make_unique<History>();
     std::vector<trace::Box> boxes;
     for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot)
         if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
-    history_->table.reset(history::VoxelGrid(history::crowded_box(std::move(boxes))));
+    const std::size_t samples = static_cast<std::size_t>(settings_.width) *
+                                static_cast<std::size_t>(settings_.height) *
+                                static_cast<std::size_t>(settings_.samples);
+    history_->table.reset(history::VoxelGrid(history::crowded_box(std::move(boxes))),
+                          samples / samples_a_path);
 
     const shade::Shading shading(scene, settings_.shade);
     const update::Plan nothing;
+    std::vector<bool> casts_shadows;
+    for (const LightSlot& light : scene.lights())
+        casts_shadows.push_back(light.record.casts_shadows);
     std::vector<update::CellUpdate> cells;
-    history_->cells.fill(history::RayTrees(scene.lights().size()));
-    for (history::RayTrees& trees : history_->cells)
-        cells.emplace_back(shading, intersector, nothing, history_->table, trees);
+    cells.reserve(cells::cell_count);
+    for (std::size_t k = 0; k < cells::cell_count; ++k) {
+        history_->cells[k].reset(casts_shadows);
+        cells.emplace_back(shading, intersector, nothing, history_->table, history_->cells[k],
+                           history_->lists[k]);
+    }
     const int groups = std::min(cells::thread_count(threads), cells::cell_count);
-    control.steps = groups * 2 * block_rows(settings_);
+    control.steps = groups * block_rows(settings_);
     cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
-        // The roots first, so that they are the first nodes; then what they see and spawn.
+        Stopwatch watch;
         for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
-            for (int s = 0; s < settings_.samples; ++s) cells[cell].add_root(primary_ray(x, y, s));
-        });
-        std::array<history::NodeIndex, cells::cell_count> root{};
-        for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
-            const history::NodeIndex first = root[cell];
-            for (int s = 0; s < settings_.samples; ++s) cells[cell].trace_root(root[cell]++);
+            const auto first =
+                static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
+            for (int s = 0; s < settings_.samples; ++s)
+                cells[cell].trace_sample(primary_ray(x, y, s));
             back_.set(x, y, recorded_pixel(cells[cell], first));
         });
+        const double seconds = watch.lap() / static_cast<double>(group.size());
+        for (const int cell : group) reports[static_cast<std::size_t>(cell)].trace = seconds;
     });
-    if (control.stop) {
-        history_.reset();
-        return false;
-    }
+    if (control.stop) return false;
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-        update::UpdateCounts& counts = reports[cell] = cells[cell].counts();
-        counts.flagged = counts.retraced = counts.changed = counts.new_rays;
+        update::UpdateCounts& counts = reports[cell].counts = cells[cell].counts();
+        counts.flagged = counts.retraced = counts.changed = counts.rays.rays();
     }
     std::swap(film_, back_);
+    has_history_ = true;
     return true;
 }
 
 void View::update(const Scene& scene, const trace::Intersector& intersector,
                   const update::Plan& plan, int threads, const cells::CellOrder& order,
                   CellReports& reports) {
-    history_->table.flag(plan.regions);
+    history::PathTable& table = history_->table;
+    if (!plan.regions.empty()) {
+        table.clear_flags();
+        const auto blocks = static_cast<int>(table.capacity() / history::PathTable::flag_block);
+        cells::for_each_range(threads, blocks, [&](int begin, int end) {
+            constexpr std::size_t block = history::PathTable::flag_block;
+            table.flag(plan.regions, static_cast<std::size_t>(begin) * block,
+                       static_cast<std::size_t>(end) * block);
+        });
+    }
     const shade::Shading shading(scene, settings_.shade);
     cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
         const auto k = static_cast<std::size_t>(group.front());
-        update::CellUpdate cell(shading, intersector, plan, history_->table, history_->cells[k]);
-        if (plan.lights_differ) cell.keep_lights();
-        cell.detect();
-        history::NodeIndex root = 0;
-        cells::Control unstoppable;
-        for_each_pixel(settings_, group, unstoppable, [&](std::size_t, int x, int y) {
-            const history::NodeIndex first = root;
-            bool walked = false;
-            for (int s = 0; s < settings_.samples; ++s) walked |= cell.walk_root(root++);
-            if (walked)
-                film_.set(x, y, recorded_pixel(cell, first));
-            else if (plan.lights_differ)
-                film_.set_color(x, y, recorded_color(cell, first));
-        });
-        reports[k] = cell.counts();
+        update_cell(k, shading, intersector, plan, reports[k]);
     });
 }
 
-std::uint64_t View::history_rays() const {
-    std::uint64_t rays = 0;
-    for (const history::RayTrees& cell : history_->cells) rays += cell.rays();
-    return rays;
+void View::update_cell(std::size_t k, const shade::Shading& shading,
+                       const trace::Intersector& intersector, const update::Plan& plan,
+                       CellReport& report) {
+    Stopwatch watch;
+    update::CellUpdate cell(shading, intersector, plan, history_->table, history_->cells[k],
+                            history_->lists[k]);
+    if (plan.lights_differ) cell.keep_lights();
+    cell.detect();
+    report.detect = watch.lap();
+    cell.test();
+    report.test = watch.lap();
+    cell.shade();
+    report.shade = watch.lap();
+    cell.combine();
+    report.combine = watch.lap();
+    // Where lights moved, every sample that sees anything was walked.
+    write_pixels(k, cell, plan.lights_differ && !plan.lights_moved);
+    report.write = watch.lap();
+    report.counts = cell.counts();
 }
 
-std::size_t View::history_bytes() const {
-    std::size_t bytes = 0;
-    for (const history::RayTrees& cell : history_->cells) bytes += cell.bytes();
-    return bytes;
+/// Writes the pixels of cell `k` whose samples were walked; `all_colors`: of all others the colour.
+void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors) {
+    const auto [dx, dy] = cells::cell_offset(static_cast<int>(k));
+    const int columns = (settings_.width - dx + cells::cell_stride - 1) / cells::cell_stride;
+    const auto samples = static_cast<history::SampleIndex>(settings_.samples);
+    const auto pixel_of = [&](history::SampleIndex sample) {
+        const auto pixel = static_cast<int>(sample / samples);
+        return std::pair(dx + cells::cell_stride * (pixel % columns),
+                         dy + cells::cell_stride * (pixel / columns));
+    };
+    if (all_colors) {
+        const auto end = static_cast<history::SampleIndex>(history_->cells[k].roots.size());
+        for (history::SampleIndex sample = 0; sample < end; sample += samples) {
+            const auto [x, y] = pixel_of(sample);
+            film_.set_color(x, y, recorded_color(cell, sample));
+        }
+    }
+    history::SampleIndex written = history::no_node;
+    for (const history::SampleIndex sample : cell.walked()) {
+        const history::SampleIndex first = sample - sample % samples;
+        if (std::exchange(written, first) == first) continue;  // samples of a pixel come in a row
+        const auto [x, y] = pixel_of(first);
+        film_.set(x, y, recorded_pixel(cell, first));
+    }
+}
+
+HistorySize View::history_size() const {
+    HistorySize size;
+    for (const history::RayTrees& cell : history_->cells) {
+        size.rays += cell.rays();
+        size.nodes += cell.node_count();
+        size.points += cell.point_count();
+        const history::Sizes sizes = cell.sizes();
+        if (size.bytes.empty())
+            size.bytes = sizes;
+        else
+            for (std::size_t i = 0; i < sizes.size(); ++i) size.bytes[i].second += sizes[i].second;
+    }
+    size.bytes.emplace_back("path_table", history_->table.bytes());
+    return size;
 }
 
 shade::Counts View::record(const Scene& scene, const trace::Intersector& intersector,

@@ -25,8 +25,21 @@ struct ViewSettings {
     std::vector<film::Aov> aovs;
 };
 
-/// What each cell did in an update.
-using CellReports = std::array<update::UpdateCounts, cells::cell_count>;
+/// What a cell did in an update, and processor seconds by phase. Of an initial step the seconds are
+/// those of its task, which is one cell's only where every cell is a task of its own.
+struct CellReport {
+    update::UpdateCounts counts;
+    double detect = 0, test = 0, shade = 0, combine = 0, write = 0, trace = 0;
+};
+using CellReports = std::array<CellReport, cells::cell_count>;
+
+/// Counts of a history, and bytes by kind of structure.
+struct HistorySize {
+    std::uint64_t rays = 0, nodes = 0, points = 0;
+    history::Sizes bytes;
+
+    [[nodiscard]] std::size_t all_bytes() const;
+};
 
 class View {
   public:
@@ -53,10 +66,13 @@ class View {
     void update(const Scene& scene, const trace::Intersector& intersector, const update::Plan& plan,
                 int threads, const cells::CellOrder& order, CellReports& reports);
 
-    [[nodiscard]] bool has_history() const { return history_ != nullptr; }
-    /// Rays the film is made of, by the history.
-    [[nodiscard]] std::uint64_t history_rays() const;
-    [[nodiscard]] std::size_t history_bytes() const;
+    [[nodiscard]] bool has_history() const { return has_history_; }
+    /// What the history holds, cells and table together.
+    [[nodiscard]] HistorySize history_size() const;
+    /// Distinct paths in the history's table.
+    [[nodiscard]] std::size_t history_paths() const { return history_->table.entries(); }
+    /// The grid of the history's paths.
+    [[nodiscard]] const history::VoxelGrid& grid() const { return history_->table.grid(); }
 
     /// Traces every pixel on the calling thread and appends every ray to `record`;
     /// the film stands.
@@ -75,6 +91,7 @@ class View {
     struct History {
         history::PathTable table;
         std::array<history::RayTrees, cells::cell_count> cells;
+        std::array<update::CellLists, cells::cell_count> lists;
     };
 
     template <class Sample>
@@ -83,8 +100,12 @@ class View {
     film::PixelValue traced_pixel(const shade::Whitted<Source>& whitted, int x, int y,
                                   shade::Scratch& scratch) const;
     film::PixelValue recorded_pixel(const update::CellUpdate& cell,
-                                    history::NodeIndex first_root) const;
-    V3f recorded_color(const update::CellUpdate& cell, history::NodeIndex first_root) const;
+                                    history::SampleIndex first) const;
+    V3f recorded_color(const update::CellUpdate& cell, history::SampleIndex first) const;
+    void update_cell(std::size_t k, const shade::Shading& shading,
+                     const trace::Intersector& intersector, const update::Plan& plan,
+                     CellReport& report);
+    void write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors);
 
     Camera camera_;
     ViewSettings settings_;
@@ -94,6 +115,7 @@ class View {
     std::vector<V2d> sample_offsets_;  ///< within the pixel, [0, 1)
     film::Film film_, back_;
     std::unique_ptr<History> history_;
+    bool has_history_ = false;  ///< history_ is that of the film
 };
 
 }  // namespace irt

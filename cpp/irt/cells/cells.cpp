@@ -39,4 +39,15 @@ void for_each_group(int threads, int groups, const CellOrder& order,
     });
 }
 
+void for_each_range(int threads, int count, const std::function<void(int begin, int end)>& body) {
+    oneapi::tbb::task_arena arena(thread_count(threads));
+    const int grain = std::max(1, count / (8 * thread_count(threads)));
+    arena.execute([&] {
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<int>(0, count, static_cast<std::size_t>(grain)),
+                                  [&](const oneapi::tbb::blocked_range<int>& range) {
+                                      body(range.begin(), range.end());
+                                  });
+    });
+}
+
 }  // namespace irt::cells

@@ -46,4 +46,7 @@ int thread_count(int threads);
 void for_each_group(int threads, int groups, const CellOrder& order,
                     const std::function<void(CellGroup group)>& body);
 
+/// Runs `body(begin, end)` over pieces of [0, count) on `threads` threads.
+void for_each_range(int threads, int count, const std::function<void(int begin, int end)>& body);
+
 }  // namespace irt::cells

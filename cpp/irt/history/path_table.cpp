@@ -2,39 +2,68 @@
 #include "irt/history/path_table.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace irt::history {
 
-void PathTable::reset(const VoxelGrid& grid) {
+namespace {
+
+constexpr Path empty_place = 0xffffffffu;
+constexpr std::size_t least_capacity = 1u << 10;
+constexpr PathIndex first_place = 2;
+
+/// Probes after which a path goes to any_path: tables are made at most half full, where one in a
+/// million needs so many.
+constexpr int most_probes = 64;
+
+}  // namespace
+
+void PathTable::reset(const VoxelGrid& grid, std::size_t entries) {
     grid_ = grid;
-    flags_.clear();
-    for (Shard& shard : shards_) {
-        shard.index_of.clear();
-        shard.paths.clear();
+    const std::size_t capacity = std::max(least_capacity, std::bit_ceil(2 * entries));
+    if (capacity != capacity_) {
+        capacity_ = capacity;
+        shift_ = 32u - static_cast<unsigned>(std::countr_zero(capacity));
+        paths_ = std::make_unique<std::atomic<Path>[]>(capacity);
     }
+    for (std::size_t i = 0; i < capacity_; ++i)
+        paths_[i].store(empty_place, std::memory_order_relaxed);
+    flags_.assign(capacity_ / flag_block, 0);
 }
 
 PathIndex PathTable::intern(Path path) {
-    const std::uint32_t s = path * 0x9e3779b1u >> 26;
-    Shard& shard = shards_[s];
-    const std::lock_guard lock(shard.mutex);
-    const auto next = static_cast<PathIndex>(1 + s + shard.paths.size() * shard_count);
-    const auto [entry, added] = shard.index_of.try_emplace(path, next);
-    if (added) shard.paths.push_back(path);
-    return entry->second;
+    PathIndex place = path * 0x9e3779b1u >> shift_;
+    for (int probe = 0; probe < most_probes; ++probe) {
+        if (place < first_place) place = first_place;
+        std::atomic<Path>& slot = paths_[place];
+        Path found = slot.load(std::memory_order_relaxed);
+        if (found == empty_place &&
+            slot.compare_exchange_strong(found, path, std::memory_order_relaxed))
+            return place;
+        if (found == path) return place;
+        place = (place + 1) & static_cast<PathIndex>(capacity_ - 1);
+    }
+    return any_path;
 }
 
-void PathTable::flag(const std::vector<trace::Box>& changed) {
-    std::size_t most = 0;
-    for (const Shard& shard : shards_) most = std::max(most, shard.paths.size());
-    flags_.assign(1 + most * shard_count, 0);
-    for (std::uint32_t s = 0; s < shard_count; ++s)
-        for (std::size_t i = 0; i < shards_[s].paths.size(); ++i)
-            for (const trace::Box& box : changed)
-                if (grid_.may_meet(shards_[s].paths[i], box)) {
-                    flags_[1 + s + i * shard_count] = 1;
-                    break;
-                }
+void PathTable::clear_flags() {
+    std::fill(flags_.begin(), flags_.end(), 0);
+    flags_[0] = std::uint64_t{1} << any_path;
+}
+
+void PathTable::flag(const Regions& regions, std::size_t begin, std::size_t end) {
+    for (std::size_t i = std::max<std::size_t>(begin, first_place); i < end; ++i) {
+        const Path path = paths_[i].load(std::memory_order_relaxed);
+        if (path != empty_place && regions.may_meet(path))
+            flags_[i / flag_block] |= std::uint64_t{1} << (i % flag_block);
+    }
+}
+
+std::size_t PathTable::entries() const {
+    std::size_t count = 0;
+    for (std::size_t i = first_place; i < capacity_; ++i)
+        count += paths_[i].load(std::memory_order_relaxed) != empty_place;
+    return count;
 }
 
 }  // namespace irt::history

@@ -3,10 +3,9 @@
 // flag that says whether anything on it changed. "Did this ray change?" is then one look-up.
 #pragma once
 
-#include <array>
+#include <atomic>
 #include <cstdint>
-#include <mutex>
-#include <unordered_map>
+#include <memory>
 #include <vector>
 
 #include "irt/history/voxel_grid.h"
@@ -16,35 +15,48 @@ namespace irt::history {
 /// A ray's hash index: its path's place in the table.
 using PathIndex = std::uint32_t;
 
-/// Entry 0 is the path of what is no ray (free nodes, lights that need none); it is never flagged.
+/// The place of what is no ray (free nodes, lights that need none); it is never flagged.
 inline constexpr PathIndex no_path = 0;
+/// The place of every path that found the table full around its own: always flagged.
+inline constexpr PathIndex any_path = 1;
 
 class PathTable {
   public:
-    void reset(const VoxelGrid& grid);
+    /// Empties the table and makes room for `entries` paths.
+    void reset(const VoxelGrid& grid, std::size_t entries);
 
     [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
 
-    /// The index of `path`, entered if it is new. Callable from any thread; which index a path gets
-    /// may depend on their order and shows in no result.
+    /// The place of `path`, entered by linear probing if it is new. Callable from any thread
+    /// without locks; which place a path gets may depend on their order and shows in no result.
     PathIndex intern(Path path);
 
-    /// Scans the table once: flags every entry that may meet one of `changed`.
-    void flag(const std::vector<trace::Box>& changed);
+    /// Clears all flags, then scans the places [begin, end) and flags the paths that may meet
+    /// `regions`. Ranges that begin at multiples of `flag_block` may be scanned at once.
+    void clear_flags();
+    void flag(const Regions& regions, std::size_t begin, std::size_t end);
+    static constexpr std::size_t flag_block = 64;
+
     [[nodiscard]] bool flagged(PathIndex index) const {
-        return index < flags_.size() && flags_[index] != 0;
+        return (flags_[index / flag_block] >> (index % flag_block) & 1) != 0;
+    }
+
+    /// The path at a place that is neither no_path nor any_path.
+    [[nodiscard]] Path path(PathIndex index) const {
+        return paths_[index].load(std::memory_order_relaxed);
+    }
+    [[nodiscard]] std::size_t capacity() const { return capacity_; }
+    [[nodiscard]] std::size_t entries() const;
+    [[nodiscard]] std::size_t bytes() const {
+        return capacity_ * sizeof(Path) + flags_.size() * sizeof(std::uint64_t);
     }
 
   private:
-    static constexpr std::uint32_t shard_count = 64;
-    struct Shard {
-        std::mutex mutex;
-        std::unordered_map<Path, PathIndex> index_of;
-        std::vector<Path> paths;  ///< entry i of shard s has index 1 + s + i * shard_count
-    };
     VoxelGrid grid_;
-    std::array<Shard, shard_count> shards_;
-    std::vector<std::uint8_t> flags_;
+    std::size_t capacity_ = 0;  ///< a power of two, or 0
+    unsigned shift_ = 32;
+    std::unique_ptr<std::atomic<Path>[]> paths_;
+    std::vector<std::uint64_t> flags_;  ///< a bit a place
 };
 
 }  // namespace irt::history

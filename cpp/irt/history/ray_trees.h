@@ -4,6 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "irt/history/path_table.h"
@@ -12,64 +15,125 @@
 namespace irt::history {
 
 using NodeIndex = std::uint32_t;
-inline constexpr NodeIndex no_node = 0xffffffffu;
+using PointIndex = std::uint32_t;
+using SampleIndex = std::uint32_t;
+inline constexpr std::uint32_t no_node = 0xffffffffu, no_point = 0xffffffffu;
 
-/// What the walk has to do at a node.
-enum Mark : std::uint8_t {
-    mark_walk = 1,   ///< this node or one below it changed: shade and combine again
-    mark_fresh = 2,  ///< its visible point is a new one: nothing kept below it holds
-};
+/// Set in Node::parent of a root; the other bits are then its sample.
+inline constexpr std::uint32_t root_bit = 0x80000000u;
 
-/// A node: a ray and what it sees. Its cumulative intensity is that of its whole branch (section
-/// 3.2): one unscaled term here and a response to each light in RayTrees::columns.
+/// A node: a ray, and which point it sees. `weight` is the share with which its cumulative intensity
+/// joins its parent's; a root's is not read. The hit's (object, part, primitive) and `t` are here
+/// because the test of a flagged segment reads them; the rest is in the point.
 struct Node {
     V3f origin, direction;  ///< the ray; render space
-    V3f unscaled;           ///< cumulative
-    trace::Hit hit;         ///< the visible point, or none
-    /// The intersection history: the nearest hit on an object outside the dynamic set and other
-    /// than the visible one. Void once its object has joined that set, or the set was folded.
-    trace::Hit behind;
-    NodeIndex parent, reflected, refracted;
-    std::uint32_t epoch;  ///< of the dynamic set, when `behind` was recorded
-    /// Of the branches below, in prices relative to this node: the greatest traced and the least
-    /// cut (DESIGN 3, rule 5).
-    std::int32_t greatest_traced, least_cut;
-    std::uint8_t depth;
-    bool behind_known;
+    V3f weight;
+    NodeIndex parent;
+    double t;  ///< of the visible point; infinite where there is none
+    std::uint32_t object, part, primitive;
+    PointIndex point;  ///< no_point where the ray meets nothing
+};
+static_assert(sizeof(Node) == 64);
+
+/// Beyond every sum of prices: no branch was traced, or none was cut.
+inline constexpr std::int32_t no_price = std::numeric_limits<std::int32_t>::max() / 4;
+
+/// A node's visible point, and what it spawned.
+struct KeptPoint {
+    double u, v;  ///< as in trace::Hit
+    NodeIndex node;
+    NodeIndex branches[2];  ///< reflected, refracted; or no_node
+    /// Prices relative to this node (DESIGN 3, rule 5): the least of its own branches that were cut;
+    /// and of all below it, the greatest traced and the least cut.
+    std::int32_t own_cut, greatest_traced, least_cut;
+    std::int16_t prices[2];  ///< of the branches
+    std::uint8_t piece;      ///< as in trace::Hit
+};
+static_assert(sizeof(KeptPoint) == 48);
+
+/// The intersection history (sections 2.2 and 2.4): the nearest hit on an object outside the dynamic
+/// set and other than the visible one. Void once its object has joined that set, or the set was
+/// folded.
+struct HitBehind {
+    trace::Hit hit;
+    std::uint32_t epoch = unknown;  ///< of the dynamic set, when it was recorded
+    static constexpr std::uint32_t unknown = 0xffffffffu;
 };
 
-/// A light node (section 4.1): what a shadow ray met. It keeps no voxel history.
-struct ShadowRecord {
-    PathIndex path = no_path;  ///< no_path: the point needs no shadow ray of this light
-    trace::Occlusion occlusion;
+/// The light nodes of one light (section 4.1): what each point's shadow ray met. They keep no voxel
+/// history. Empty where the light casts no shadows.
+struct LightNodes {
+    bool casts_shadows = true;
+    std::vector<PathIndex> paths;  ///< by point; no_path: it needs no shadow ray of this light
+    std::vector<trace::Occlusion> occlusions;
 };
 
-/// Node i's parts stand at index i of every array. The first nodes are the samples' roots, in
-/// order.
+/// A column of intensities, by point: what the point itself sends along its ray, and the same with
+/// all that joins it from its branches (the cumulative intensity of section 3.2).
+struct Column {
+    std::vector<V3f> own, cumulative;
+};
+
+/// What the walk has to do at a node. A mark climbs to the root as mark_walk: the cumulative flag of
+/// section 3.2, by which everything else is left out.
+enum Mark : std::uint8_t {
+    mark_walk = 1,   ///< this node's own intensity, or a node below it, changed: combine again
+    mark_shade = 2,  ///< its surface shades otherwise: respond and spawn again
+    mark_fresh = 4,  ///< its visible point is another: nothing kept below it holds
+};
+
+/// Bytes by kind of structure, as in the paper's table 5.
+using Sizes = std::vector<std::pair<std::string_view, std::size_t>>;
+
+/// Parts of node i or point i stand at index i of their arrays.
 struct RayTrees {
+    std::vector<NodeIndex> roots;  ///< by sample of the cell
+
     std::vector<Node> nodes;
-    std::vector<PathIndex> paths;             ///< no_path: a free node
-    std::vector<std::uint32_t> objects;       ///< slot of the visible object, or none
+    std::vector<PathIndex> paths;     ///< hash indices; no_path: a free node
+    std::vector<std::uint8_t> marks;  ///< 0 between updates
+
+    std::vector<KeptPoint> points;
+    std::vector<HitBehind> behind;
     std::vector<std::uint8_t> material_bits;  ///< the texture mask (section 4.2): a bit's number
-    std::vector<std::uint8_t> marks;          ///< 0 between updates
-    std::vector<std::vector<V3f>> columns;    ///< by light, then node: cumulative responses
-    std::vector<std::vector<ShadowRecord>> shadows;  ///< by light, then node
-    std::vector<NodeIndex> free;
-    std::uint64_t shadow_rays = 0;  ///< records that have a path
+    std::vector<Column> columns;              ///< the unscaled term, then one by light
+    std::vector<LightNodes> lights;           ///< by light
 
-    explicit RayTrees(std::size_t lights = 0) : columns(lights), shadows(lights) {}
+    std::vector<NodeIndex> free_nodes;
+    std::vector<PointIndex> free_points;
+    std::uint64_t shadow_rays = 0;  ///< light nodes that have a path
 
-    /// A node whose fields but for the arrays' are unset.
-    NodeIndex add();
-    /// Frees the branch below and at `node`.
+    /// Empties everything but keeps the memory. `casts_shadows`: by light.
+    void reset(const std::vector<bool>& casts_shadows);
+
+    /// A node whose fields are unset, but for its point: none.
+    NodeIndex add_node();
+    /// A point of `node` whose other fields are unset, with no branch and no light node.
+    PointIndex add_point(NodeIndex node);
+    /// Frees the branch at and below `node`.
     void remove(NodeIndex node);
+    /// Frees what `node` sees and everything below it.
+    void remove_point(NodeIndex node);
     /// Enters the path of a shadow ray, or no_path.
-    void set_shadow_path(ShadowRecord& record, PathIndex path);
-    /// Marks `node`, and `mark_walk` from there to its root.
-    void mark(NodeIndex node, std::uint8_t what);
-    /// Rays the trees hold: one a node and one a shadow record.
-    [[nodiscard]] std::uint64_t rays() const { return nodes.size() - free.size() + shadow_rays; }
-    [[nodiscard]] std::size_t bytes() const;
+    void set_shadow_path(std::size_t light, PointIndex point, PathIndex path);
+
+    [[nodiscard]] trace::Ray ray(NodeIndex node) const {
+        return {nodes[node].origin, nodes[node].direction};
+    }
+    /// The visible point as the intersector gave it.
+    [[nodiscard]] trace::Hit hit(NodeIndex node) const;
+    /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
+    void set_hit(NodeIndex node, const trace::Hit& hit);
+
+    /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
+    bool mark(NodeIndex node, std::uint8_t what);
+    [[nodiscard]] SampleIndex sample_of(NodeIndex node) const;
+
+    [[nodiscard]] std::size_t node_count() const { return nodes.size() - free_nodes.size(); }
+    [[nodiscard]] std::size_t point_count() const { return points.size() - free_points.size(); }
+    /// Rays the trees hold: one a node and one a light node.
+    [[nodiscard]] std::uint64_t rays() const { return node_count() + shadow_rays; }
+    [[nodiscard]] Sizes sizes() const;
 };
 
 /// No material, as a bit's number.

@@ -164,19 +164,22 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
             prototypes_[std::get<std::shared_ptr<const Prototype>>(slot.record.geometry)] =
                 slot.prototype;
         slot.rank = objects_[found->second].rank;
-        objects_[found->second] = std::move(slot);
+        std::swap(objects_[found->second], slot);
+        if (slot.live) applied.previous.push_back(std::move(slot));
         applied.geometry.push_back(found->second);
     }
     for (const std::uint32_t index : prepared.removed) {
         ObjectSlot empty;
         empty.path = objects_[index].path;
-        objects_[index] = std::move(empty);
+        std::swap(objects_[index], empty);
+        applied.previous.push_back(std::move(empty));
         applied.geometry.push_back(index);
     }
     for (std::size_t i = 0; i < prepared.rebound.size(); ++i) {
         const auto& [index, material] = prepared.rebound[i];
         ObjectSlot& object = objects_[index];
         object.record.material = material;
+        applied.unbound.push_back(object.surface.material);
         object.surface.material = material_slots_.at(material);
         applied.rebound.push_back(index);
         if (!(materials_[object.surface.material].shadow_depth == depths_before[i]))

@@ -75,7 +75,9 @@ struct LightSlot {
 /// What `Scene::apply` found to differ, record by record and by value.
 struct AppliedChanges {
     std::vector<std::uint32_t> geometry;   ///< object slots added, removed, moved or reshaped
+    std::vector<ObjectSlot> previous;      ///< of `geometry`: as they were, dead ones left out
     std::vector<std::uint32_t> rebound;    ///< object slots whose material binding alone changed
+    std::vector<std::uint32_t> unbound;    ///< of `rebound`: the material slots they had
     std::vector<std::uint32_t> materials;  ///< material slots whose values changed
     std::vector<std::string> lights;       ///< lights added, removed or changed, by path
     std::vector<std::uint32_t> tints;     ///< of `materials`: those that now tint shadows otherwise

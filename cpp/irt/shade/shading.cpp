@@ -16,12 +16,6 @@ namespace {
 /// Steps an octave of throughput in which branches are priced.
 constexpr double price_scale = 16;
 
-/// From the point to the light, of any length.
-V3d towards(const VisiblePoint& point, const LightSlot& light) {
-    return light.record.kind == LightKind::Distant ? -light.record.direction
-                                                   : light.position_render - point.surface.position;
-}
-
 /// The shadow ray to a light in direction `unit`.
 trace::Ray ray_towards(const VisiblePoint& point, const LightSlot& light, const V3d& unit) {
     const V3f narrowed(unit);
@@ -85,7 +79,7 @@ FirstHit Shading::first_hit(const VisiblePoint& point, const trace::Hit& hit) co
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
                                                  const LightSlot& light) const {
     if (point.response.invisible) return std::nullopt;
-    const V3d to_light = towards(point, light);
+    const V3d to_light = towards(point.surface.position, light);
     const double squared = to_light.dot(to_light);
     if (!(squared > 0)) return std::nullopt;
     const V3d unit = to_light / std::sqrt(squared);
@@ -100,7 +94,7 @@ std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
 }
 
 trace::Ray Shading::shadow_ray(const VisiblePoint& point, const LightSlot& light) const {
-    const V3d to_light = towards(point, light);
+    const V3d to_light = towards(point.surface.position, light);
     return ray_towards(point, light, to_light / std::sqrt(to_light.dot(to_light)));
 }
 

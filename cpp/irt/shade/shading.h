@@ -46,11 +46,20 @@ class Shading {
     [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] int max_depth() const { return max_depth_; }
 
+    /// Of a material, by slot.
+    [[nodiscard]] const Response& response(std::uint32_t material) const {
+        return responses_[material];
+    }
     [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit) const;
     [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, const trace::Hit& hit) const;
     /// Empty where the light adds nothing whatever is in between.
     [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
                                                           const LightSlot& light) const;
+    /// From a position (render space) to a light, of any length, but for point lights the whole way.
+    [[nodiscard]] static V3d towards(const V3d& position, const LightSlot& light) {
+        return light.record.kind == LightKind::Distant ? -light.record.direction
+                                                       : light.position_render - position;
+    }
     /// The shadow ray from a point to a light.
     [[nodiscard]] trace::Ray shadow_ray(const VisiblePoint& point, const LightSlot& light) const;
     [[nodiscard]] Spawned spawned(const VisiblePoint& point) const;

@@ -284,6 +284,8 @@ std::uint32_t Intersector::epoch() const { return impl_->trees.epoch(); }
 
 Box Intersector::box(std::uint32_t slot) const { return impl_->trees.box(slot); }
 
+double Intersector::pad() const { return impl_->trees.frame().pad(); }
+
 Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts) const {
     const Trees& trees = impl_->trees;
     ++counts.occlusion;

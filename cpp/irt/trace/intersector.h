@@ -60,6 +60,9 @@ class Intersector {
     /// The object's bounding box in render space, padded as Embree is handed it; empty where there
     /// is nothing to hit.
     [[nodiscard]] Box box(std::uint32_t slot) const;
+    /// What boxes are padded by, render-space units: a bound, twice over, on how far rays that are
+    /// rounded otherwise lie apart within the scene (frame.h).
+    [[nodiscard]] double pad() const;
 
   private:
     enum Which : unsigned { still_tree = 1, moving_tree = 2 };

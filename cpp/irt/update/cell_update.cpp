@@ -9,21 +9,32 @@
 
 namespace irt::update {
 
+using history::any_path;
+using history::Column;
+using history::HitBehind;
+using history::KeptPoint;
 using history::mark_fresh;
+using history::mark_shade;
 using history::mark_walk;
 using history::no_node;
 using history::no_path;
+using history::no_point;
+using history::no_price;
 using history::Node;
-using history::ShadowRecord;
 
 namespace {
-
-/// No branch was traced, or none was cut: beyond every sum of prices.
-constexpr std::int32_t no_price = std::numeric_limits<std::int32_t>::max() / 4;
 
 bool same(const trace::Hit& a, const trace::Hit& b) {
     return a.object == b.object && a.part == b.part && a.primitive == b.primitive &&
            a.piece == b.piece && same_bits(a.t, b.t) && same_bits(a.u, b.u) && same_bits(a.v, b.v);
+}
+
+/// Flagged records lie far apart: those of so many tests ahead are fetched.
+constexpr std::size_t look_ahead = 8;
+
+template <class T>
+void prefetch(const T& record) {
+    __builtin_prefetch(&record);
 }
 
 }  // namespace
@@ -35,361 +46,458 @@ UpdateCounts& UpdateCounts::operator+=(const UpdateCounts& other) {
     changed += other.changed;
     new_rays += other.new_rays;
     nodes_traversed += other.nodes_traversed;
+    uncovered += other.uncovered;
     whole_scene += other.whole_scene;
     rays += other.rays;
     return *this;
 }
 
-void CellUpdate::add_root(const trace::Ray& ray) {
-    const NodeIndex root = trees_.add();
+void CellLists::clear() {
+    flagged.clear();
+    flagged_shadows.clear();
+    walked.clear();
+    combined.clear();
+    std::fill(retraced.begin(), retraced.end(), 0);
+}
+
+CellUpdate::CellUpdate(const shade::Shading& shading, const trace::Intersector& intersector,
+                       const Plan& plan, history::PathTable& table, history::RayTrees& trees,
+                       CellLists& lists)
+    : shading_(shading),
+      intersector_(intersector),
+      plan_(plan),
+      table_(table),
+      trees_(trees),
+      lists_(lists),
+      lights_(shading.scene().lights()) {
+    lists_.clear();
+}
+
+void CellUpdate::trace_sample(const trace::Ray& primary) {
+    const auto sample = static_cast<history::SampleIndex>(trees_.roots.size());
+    const NodeIndex root = trees_.add_node();
+    trees_.roots.push_back(root);
     Node& node = trees_.nodes[root];
-    node.origin = ray.origin;
-    node.direction = ray.direction;
-    node.parent = no_node;
-    node.depth = 0;
-}
-
-void CellUpdate::trace_root(NodeIndex root) {
+    node.origin = primary.origin;
+    node.direction = primary.direction;
+    node.parent = history::root_bit | sample;
     ++counts_.rays.primary;
-    trace_new(root, 0);
+    trace_new(root, 0, 0);
+    combine();
 }
 
-// ---- detection
-// -----------------------------------------------------------------------------------
+// ---- detection (sections 2.3, 3.1, 4.2)
 
 void CellUpdate::keep_lights() {
-    std::vector<std::vector<V3f>> columns(lights_.size());
-    std::vector<std::vector<ShadowRecord>> shadows(lights_.size());
+    std::vector<Column> columns(1 + lights_.size());
+    std::vector<history::LightNodes> nodes(lights_.size());
+    columns[0] = std::move(trees_.columns[0]);
     for (std::size_t l = 0; l < lights_.size(); ++l) {
-        if (plan_.kept_lights[l]) {
-            columns[l] = std::move(trees_.columns[*plan_.kept_lights[l]]);
-            shadows[l] = std::move(trees_.shadows[*plan_.kept_lights[l]]);
-        } else {
-            columns[l].resize(trees_.nodes.size(), V3f(0, 0, 0));
-            shadows[l].resize(trees_.nodes.size());
+        if (const std::optional<std::size_t> kept = plan_.kept_lights[l]) {
+            columns[1 + l] = std::move(trees_.columns[1 + *kept]);
+            nodes[l] = std::exchange(trees_.lights[*kept], {});
+            continue;
         }
+        const std::size_t points = trees_.points.size();
+        columns[1 + l].own.assign(points, V3f(0, 0, 0));
+        columns[1 + l].cumulative.assign(points, V3f(0, 0, 0));
+        nodes[l].casts_shadows = lights_[l].record.casts_shadows;
+        if (!nodes[l].casts_shadows) continue;
+        nodes[l].paths.assign(points, no_path);
+        nodes[l].occlusions.resize(points);
     }
+    for (const history::LightNodes& gone : trees_.lights)
+        for (const history::PathIndex path : gone.paths) trees_.shadow_rays -= path != no_path;
     trees_.columns = std::move(columns);
-    for (auto& gone : trees_.shadows)
-        for (ShadowRecord& record : gone) trees_.set_shadow_path(record, no_path);
-    trees_.shadows = std::move(shadows);
+    trees_.lights = std::move(nodes);
 }
 
 void CellUpdate::detect() {
-    if (!plan_.lights_moved && !plan_.flags_objects()) return;
-    for (NodeIndex node = 0; node < trees_.nodes.size(); ++node)
-        if (trees_.paths[node] != no_path)
-            if (const std::uint8_t what = detect_node(node)) trees_.mark(node, what);
-}
-
-/// Marks due to what this node itself reads: its segment, its material, its lights.
-std::uint8_t CellUpdate::detect_node(NodeIndex node) {
-    const std::uint32_t object = trees_.objects[node];
-    const bool hit = object != trace::none;
-    const std::uint8_t bit = trees_.material_bits[node];
-    const bool reshaded = hit && ((plan_.material_mask >> bit & 1) || plan_.lights_moved ||
-                                  (!plan_.rebound.empty() && plan_.rebound[object]));
-    const bool crossed =
-        table_.flagged(trees_.paths[node]) || (hit && plan_.geometry_changed[object]);
-    bool fresh = false;
-    if (crossed) fresh = find_visible(node);
-    counts_.flagged += crossed || reshaded;
-    if (fresh) {
-        ++counts_.changed;
-        return mark_fresh | mark_walk;
-    }
-    const bool relit = shadows_differ(node);
-    counts_.changed += reshaded;
-    return reshaded || relit ? mark_walk : 0;
-}
-
-/// Redoes the flagged shadow rays of a node whose visible point stands; true if one differs.
-bool CellUpdate::shadows_differ(NodeIndex node) {
-    bool differ = false;
-    std::optional<shade::VisiblePoint> point;
-    for (std::size_t l = 0; l < lights_.size(); ++l) {
-        ShadowRecord& record = trees_.shadows[l][node];
-        if (!table_.flagged(record.path)) continue;
-        ++counts_.flagged;
-        // An opaque blocker that stays keeps the point dark, whatever else moves (DESIGN 4, step
-        // 4).
-        const std::uint32_t blocker = record.occlusion.blocker;
-        if (blocker != trace::none && !plan_.tint_changed[blocker]) continue;
-        if (!point) point.emplace(shading_.visible_point(ray_of(node), trees_.nodes[node].hit));
-        const trace::Ray ray = shading_.shadow_ray(*point, lights_[l]);
-        if (update_shadow(record, ray)) {
-            ++counts_.changed;
-            differ = true;
+    if (!plan_.regions.empty()) {
+        for (NodeIndex n = 0; n < trees_.paths.size(); ++n)
+            if (table_.flagged(trees_.paths[n])) lists_.flagged.push_back(n);
+        for (std::uint32_t l = 0; l < lights_.size(); ++l) {
+            const std::vector<history::PathIndex>& paths = trees_.lights[l].paths;
+            for (PointIndex p = 0; p < paths.size(); ++p)
+                if (table_.flagged(paths[p])) lists_.flagged_shadows.push_back({p, l});
         }
+        counts_.flagged += lists_.flagged.size() + lists_.flagged_shadows.size();
     }
-    return differ;
-}
-
-/// Whether a segment may meet what changed, where that now is.
-bool CellUpdate::meets_arrivals(const trace::Ray& ray, double t_end) const {
-    return std::any_of(plan_.arrivals.begin(), plan_.arrivals.end(), [&](const trace::Box& box) {
-        double enter = 0, exit = t_end;
-        return trace::clip(box, V3d(ray.origin), V3d(ray.direction), enter, exit);
-    });
-}
-
-// ---- the walk
-// ------------------------------------------------------------------------------------
-
-bool CellUpdate::walk_root(NodeIndex root) {
-    if (!trees_.marks[root]) return false;
-    walk(root, 0);
-    return true;
-}
-
-void CellUpdate::walk(NodeIndex node, std::int64_t cost) {
-    ++counts_.nodes_traversed;
-    if (trees_.marks[node] & mark_fresh) {
-        trees_.remove(std::exchange(trees_.nodes[node].reflected, no_node));
-        trees_.remove(std::exchange(trees_.nodes[node].refracted, no_node));
-        see(node);
-        settle(node, cost, true);
-    } else {
-        settle(node, cost, false);
+    if (plan_.material_mask == 0) return;
+    for (PointIndex p = 0; p < trees_.material_bits.size(); ++p) {
+        const std::uint8_t bit = trees_.material_bits[p];
+        if (bit == history::no_material_bit || !(plan_.material_mask >> bit & 1)) continue;
+        const NodeIndex node = trees_.points[p].node;
+        const std::uint32_t object = trees_.nodes[node].object;
+        if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
+        if (!plan_.rebound[object] && !plan_.material_changed[material_of(node)]) continue;
+        ++counts_.flagged;
+        mark(node, mark_shade);
     }
-    trees_.marks[node] = 0;
 }
 
-bool CellUpdate::record_holds(const Node& node) const {
-    return node.behind_known && node.epoch == intersector_.epoch() &&
-           (!node.behind || !intersector_.moves(node.behind.object));
+std::uint32_t CellUpdate::material_of(NodeIndex index) const {
+    const Node& node = trees_.nodes[index];
+    return shading_.scene().objects()[node.object].part(node.part).material;
 }
 
-/// Recomputes the visible point from the history (section 2.4); true if it may differ from before
-/// in any way.
-bool CellUpdate::find_visible(NodeIndex index) {
-    Node& node = trees_.nodes[index];
-    const trace::Ray ray = ray_of(index);
-    const trace::Hit was = node.hit;
+// ---- tests of what is flagged (sections 2.4, 4.1)
+
+void CellUpdate::test() {
+    const std::vector<NodeIndex>& nodes = lists_.flagged;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (i + look_ahead < nodes.size()) prefetch(trees_.nodes[nodes[i + look_ahead]]);
+        if (trees_.paths[nodes[i]] != no_path) test_segment(nodes[i]);  // else it went with its root
+    }
+    const std::vector<CellLists::LightNodeIndex>& shadows = lists_.flagged_shadows;
+    for (std::size_t i = 0; i < shadows.size(); ++i) {
+        if (i + 2 * look_ahead < shadows.size()) {
+            const auto& [point, light] = shadows[i + 2 * look_ahead];
+            prefetch(trees_.points[point]);
+            prefetch(trees_.lights[light].occlusions[point]);
+        }
+        if (i + look_ahead < shadows.size()) {
+            const NodeIndex node = trees_.points[shadows[i + look_ahead].point].node;
+            if (node != no_node) prefetch(trees_.nodes[node]);
+        }
+        const auto& [point, light] = shadows[i];
+        if (trees_.lights[light].paths[point] != no_path) test_shadow(point, light);
+    }
+}
+
+/// Recomputes a visible point from the history (section 2.4) where what changed may matter to it.
+void CellUpdate::test_segment(NodeIndex node) {
+    const trace::Ray ray = trees_.ray(node);
+    const trace::Hit was = trees_.hit(node);
+    const PointIndex point = trees_.nodes[node].point;
     trace::QueryCounts& queries = counts_.rays.queries;
     ++counts_.tested;
+    HitBehind behind;
     if (!was || !plan_.geometry_changed[was.object]) {
         // Nothing that stayed hides it; what changed may.
-        if (!meets_arrivals(ray, was.t)) return false;
-        count_ray(index);
-        node.hit = intersector_.nearest_moving(ray, was, queries);
-        if (same(node.hit, was)) return false;
-        if (!was || !intersector_.moves(was.object)) {
-            node.behind = was;
-            node.behind_known = true;
-        } else {
-            node.behind_known = record_holds(node);
-        }
-        node.epoch = intersector_.epoch();
-        return true;
+        if (!plan_.arrivals.may_meet(V3d(ray.origin), V3d(ray.direction), was.t)) return;
+        count_query(node);
+        const trace::Hit now = intersector_.nearest_moving(ray, was, queries);
+        if (same(now, was)) return;
+        if (!was || !intersector_.moves(was.object))
+            behind = {was, intersector_.epoch()};
+        else if (record_holds(point))
+            behind = trees_.behind[point];
+        return replace_visible(node, now, behind);
     }
-    ++counts_.retraced;
-    count_ray(index);
-    if (record_holds(node)) {
-        node.hit = intersector_.nearest_moving(ray, node.behind, queries);
-        node.behind_known = node.hit.object != node.behind.object || !node.behind;
-        return true;
+    ++counts_.uncovered;
+    count_retraced(node);
+    count_query(node);
+    if (record_holds(point)) {
+        const HitBehind& record = trees_.behind[point];
+        const trace::Hit now = intersector_.nearest_moving(ray, record.hit, queries);
+        if (!record.hit || now.object != record.hit.object) behind = record;
+        return replace_visible(node, now, behind);
     }
     ++counts_.whole_scene;
-    node.hit = intersector_.nearest_and_behind(ray, node.behind, queries);
-    node.behind_known = true;
-    node.epoch = intersector_.epoch();
-    return true;
+    const trace::Hit now = intersector_.nearest_and_behind(ray, behind.hit, queries);
+    behind.epoch = intersector_.epoch();
+    replace_visible(node, now, behind);
+}
+
+bool CellUpdate::record_holds(PointIndex point) const {
+    const HitBehind& record = trees_.behind[point];
+    return record.epoch == intersector_.epoch() &&
+           (!record.hit || !intersector_.moves(record.hit.object));
+}
+
+/// Gives a node another visible point; what was kept of the old one's rays goes.
+void CellUpdate::replace_visible(NodeIndex node, const trace::Hit& hit, const HitBehind& behind) {
+    trees_.remove_point(node);
+    trees_.set_hit(node, hit);
+    if (hit) trees_.behind[trees_.nodes[node].point] = behind;
+    const Node& ray = trees_.nodes[node];
+    trees_.paths[node] = table_.intern(table_.grid().path(ray.origin, ray.direction, hit.t));
+    ++counts_.changed;
+    mark(node, mark_fresh);
+}
+
+/// Redoes a flagged shadow ray as far as what changed can matter to it.
+void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
+    trace::Occlusion& kept = trees_.lights[light].occlusions[point];
+    const trace::Occlusion was = kept;
+    // An opaque blocker that stays keeps the point dark, whatever else moves (DESIGN 4, step 4).
+    const bool blocked = was.blocker != trace::none;
+    if (blocked && !plan_.tint_changed[was.blocker]) return;
+    ++counts_.tested;
+    // The segment, but for the rounding that the boxes allow for.
+    const NodeIndex node = trees_.points[point].node;
+    const Node& seen_from = trees_.nodes[node];
+    const V3d from = V3d(seen_from.origin) + V3d(seen_from.direction) * seen_from.t;
+    const V3d to_light = shade::Shading::towards(from, lights_[light]);
+    const double t_end = lights_[light].record.kind == LightKind::Distant
+                             ? std::numeric_limits<double>::infinity()
+                             : 1.0;
+    const bool arrives = plan_.arrivals.may_meet(from, to_light, t_end);
+    const bool clear = !blocked && was.depth == trace::OpticalDepth{};
+    if (!blocked && !arrives &&
+        (clear || !plan_.tint_departed || !plan_.departures.may_meet(from, to_light, t_end)))
+        return;
+    const ShadePoint seen = shade_point_of(node);
+    const trace::Ray ray = shading_.shadow_ray(seen, lights_[light]);
+    trace::QueryCounts& queries = counts_.rays.queries;
+    trace::Occlusion now;
+    if (arrives) {
+        ++counts_.rays.shadow;
+        now = intersector_.occlusion_moving(ray, queries);
+    }
+    // What the dynamic set alone darkens is dark. Where it is clear, and what left let no light
+    // through, so that it was not there, all is as before; and where all was clear, what stays is
+    // so still, unless it began to stop light.
+    const bool moving_clear = now.depth == trace::OpticalDepth{};
+    if (!blocked && moving_clear && !plan_.tint_departed) return;
+    const bool settled =
+        now.blocker != trace::none || (clear && !plan_.still_tint_changed);
+    if (!settled) {
+        ++counts_.rays.shadow;
+        count_retraced(node);
+        now = intersector_.occlusion(ray, queries);
+    }
+    kept = now;
+    if (now.depth == was.depth) return;
+    ++counts_.changed;
+    mark(node, mark_walk);
+    if (trees_.marks[node] & (mark_shade | mark_fresh)) return;
+    ++counts_.rays.shadings;
+    respond(seen, point, light);
+}
+
+// ---- the walk (sections 2.5, 3.2)
+
+void CellUpdate::shade() {
+    if (plan_.lights_moved) light_new_lights();
+    for (const history::SampleIndex sample : lists_.walked) walk(trees_.roots[sample], 0, 0);
+}
+
+/// Lights every point by the lights that are new or moved (section 4.1, case 2).
+void CellUpdate::light_new_lights() {
+    for (PointIndex p = 0; p < trees_.points.size(); ++p) {
+        const NodeIndex node = trees_.points[p].node;
+        if (node == no_node || (trees_.marks[node] & (mark_shade | mark_fresh))) continue;
+        const ShadePoint point = shade_point_of(node);
+        ++counts_.flagged;
+        ++counts_.rays.shadings;
+        for (std::size_t l = 0; l < lights_.size(); ++l)
+            if (!plan_.kept_lights[l]) respond(point, p, l);
+        mark(node, mark_walk);
+    }
+}
+
+void CellUpdate::walk(NodeIndex node, int depth, std::int64_t cost) {
+    ++counts_.nodes_traversed;
+    const std::uint8_t marks = std::exchange(trees_.marks[node], std::uint8_t{0});
+    if (trees_.nodes[node].point == no_point) return;
+    if (marks & (mark_shade | mark_fresh)) {
+        shade_point(node, depth, cost);
+    } else {
+        for (int which = 0; which < 2; ++which) {
+            const KeptPoint& point = trees_.points[trees_.nodes[node].point];
+            const NodeIndex branch = point.branches[which];
+            if (branch != no_node && trees_.marks[branch])
+                walk(branch, depth + 1, cost + point.prices[which]);
+        }
+    }
+    lists_.combined.push_back(node);
+}
+
+/// Traces a node that has its ray, and everything below it (section 2.5).
+void CellUpdate::trace_new(NodeIndex node, int depth, std::int64_t cost) {
+    count_new(node);
+    HitBehind behind;
+    const trace::Ray ray = trees_.ray(node);
+    const trace::Hit hit =
+        intersector_.nearest_and_behind(ray, behind.hit, counts_.rays.queries);
+    trees_.set_hit(node, hit);
+    trees_.paths[node] = table_.intern(table_.grid().path(ray.origin, ray.direction, hit.t));
+    if (!hit) return;
+    behind.epoch = intersector_.epoch();
+    trees_.behind[trees_.nodes[node].point] = behind;
+    shade_point(node, depth, cost);
+    lists_.combined.push_back(node);
+}
+
+/// Responds to the lights and spawns, as the node's visible point asks; keeps what holds of shadow
+/// rays and branches.
+void CellUpdate::shade_point(NodeIndex node, int depth, std::int64_t cost) {
+    const PointIndex at = trees_.nodes[node].point;
+    const ShadePoint point = shade_point_of(node);
+    ++counts_.rays.shadings;
+    trees_.material_bits[at] = point.surface.material % 64;
+    trees_.columns[0].own[at] = V3f(point.response.emission);
+    for (std::size_t l = 0; l < lights_.size(); ++l) respond(point, at, l);
+    trees_.points[at].own_cut = no_price;
+    if (depth == shading_.max_depth()) return;
+    const shade::Spawned rays = shading_.spawned(point);
+    settle_branch(node, 0, point, rays.reflect_direction, rays.reflect_weight, depth, cost);
+    settle_branch(node, 1, point, rays.refract_direction, rays.refract_weight, depth, cost);
+}
+
+/// The point's own response to a light. Its shadow ray is traced where none is kept.
+void CellUpdate::respond(const ShadePoint& point, PointIndex at, std::size_t light) {
+    V3f& own = trees_.columns[1 + light].own[at];
+    const std::optional<shade::LightSample> sample = shading_.light_sample(point, lights_[light]);
+    if (!sample || !sample->shadow_ray) trees_.set_shadow_path(light, at, no_path);
+    if (!sample) {
+        own = {0, 0, 0};
+        return;
+    }
+    V3d response = sample->response;
+    if (sample->shadow_ray) {
+        if (trees_.lights[light].paths[at] == no_path) trace_shadow(*sample->shadow_ray, at, light);
+        response *= shade::transmittance(trees_.lights[light].occlusions[at]);
+    }
+    own = V3f(response);
+}
+
+void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t light) {
+    ++counts_.rays.shadow;
+    count_retraced(trees_.points[at].node);
+    ++counts_.changed;
+    trees_.lights[light].occlusions[at] = intersector_.occlusion(ray, counts_.rays.queries);
+    const history::Path path =
+        table_.grid().path(ray.origin, ray.direction, static_cast<double>(ray.t_max));
+    trees_.set_shadow_path(light, at, table_.intern(path));
+}
+
+/// One branch of `node`: kept, walked, traced anew or cut, as its weight and direction now say.
+void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& point,
+                               const V3d& direction, const V3d& weight, int depth,
+                               std::int64_t cost) {
+    const PointIndex at = trees_.nodes[node].point;
+    const V3f share(weight);
+    const std::optional<std::int64_t> price = shade::price(share);
+    const bool traced = price && shading_.affordable(cost + *price);
+    if (price && !traced)
+        trees_.points[at].own_cut =
+            std::min(trees_.points[at].own_cut, static_cast<std::int32_t>(*price));
+    NodeIndex branch = trees_.points[at].branches[which];
+    if (!traced && branch == no_node) return;
+    const std::int64_t below = traced ? cost + *price : 0;
+    const trace::Ray ray = traced ? shading_.spawned_ray(point, direction) : trace::Ray();
+    if (branch != no_node && (!traced || !branch_holds(branch, ray, below))) {
+        trees_.remove(std::exchange(trees_.points[at].branches[which], no_node));
+        branch = no_node;
+    }
+    if (!traced) return;
+    trees_.points[at].prices[which] = static_cast<std::int16_t>(*price);
+    if (branch != no_node) {
+        trees_.nodes[branch].weight = share;
+        if (trees_.marks[branch]) walk(branch, depth + 1, below);
+        return;
+    }
+    ++(which == 0 ? counts_.rays.reflected : counts_.rays.refracted);
+    branch = trees_.add_node();
+    trees_.points[at].branches[which] = branch;
+    Node& fresh = trees_.nodes[branch];
+    fresh.origin = ray.origin;
+    fresh.direction = ray.direction;
+    fresh.weight = share;
+    fresh.parent = node;
+    trace_new(branch, depth + 1, below);
+}
+
+/// Whether a branch still has its ray, and the price of the way to it, `cost`, neither cuts what
+/// was traced below it nor traces what was cut (DESIGN 3, rule 5).
+bool CellUpdate::branch_holds(NodeIndex branch, const trace::Ray& ray, std::int64_t cost) const {
+    const Node& kept = trees_.nodes[branch];
+    if (!same_bits(kept.origin, ray.origin) || !same_bits(kept.direction, ray.direction))
+        return false;
+    if (kept.point == no_point) return true;
+    const KeptPoint& point = trees_.points[kept.point];
+    return (point.greatest_traced == -no_price ||
+            shading_.affordable(cost + point.greatest_traced)) &&
+           (point.least_cut == no_price || !shading_.affordable(cost + point.least_cut));
+}
+
+// ---- combining (section 3.2)
+
+void CellUpdate::combine() {
+    for (const NodeIndex node : lists_.combined) combine_node(node);
+    lists_.combined.clear();
+}
+
+/// A node's cumulative intensity: its point's own and that of each branch, weighted.
+void CellUpdate::combine_node(NodeIndex node) {
+    const PointIndex at = trees_.nodes[node].point;
+    KeptPoint& point = trees_.points[at];
+    point.greatest_traced = -no_price;
+    point.least_cut = point.own_cut;
+    for (Column& column : trees_.columns) column.cumulative[at] = column.own[at];
+    for (int which = 0; which < 2; ++which) {
+        const NodeIndex branch = point.branches[which];
+        if (branch == no_node) continue;
+        const Node& child = trees_.nodes[branch];
+        const std::int32_t price = point.prices[which];
+        point.greatest_traced = std::max(point.greatest_traced, price);
+        if (child.point == no_point) {
+            for (Column& column : trees_.columns)
+                column.cumulative[at] =
+                    shade::add_scaled(column.cumulative[at], child.weight, V3f(0, 0, 0));
+            continue;
+        }
+        const KeptPoint& below = trees_.points[child.point];
+        if (below.greatest_traced != -no_price)
+            point.greatest_traced = std::max(point.greatest_traced, price + below.greatest_traced);
+        if (below.least_cut != no_price)
+            point.least_cut = std::min(point.least_cut, price + below.least_cut);
+        for (Column& column : trees_.columns)
+            column.cumulative[at] = shade::add_scaled(column.cumulative[at], child.weight,
+                                                      column.cumulative[child.point]);
+    }
+}
+
+// ---- counts and results
+
+/// Marks a node and the way to its root.
+void CellUpdate::mark(NodeIndex node, std::uint8_t what) {
+    if (trees_.mark(node, what)) lists_.walked.push_back(trees_.sample_of(node));
+}
+
+void CellUpdate::count_retraced(NodeIndex node) {
+    ++counts_.retraced;
+    if (!lists_.retraced.empty()) ++lists_.retraced[trees_.sample_of(node)];
 }
 
 /// A ray that was not there: flagged, retraced and changed by that.
-void CellUpdate::count_new() {
+void CellUpdate::count_new(NodeIndex node) {
     ++counts_.new_rays;
     ++counts_.flagged;
-    ++counts_.retraced;
     ++counts_.changed;
+    count_retraced(node);
 }
 
 /// A query for a node's ray that was there.
-void CellUpdate::count_ray(NodeIndex node) {
+void CellUpdate::count_query(NodeIndex node) {
     const NodeIndex parent = trees_.nodes[node].parent;
-    if (parent == no_node)
+    if (parent & history::root_bit)
         ++counts_.rays.primary;
-    else if (trees_.nodes[parent].reflected == node)
+    else if (trees_.points[trees_.nodes[parent].point].branches[0] == node)
         ++counts_.rays.reflected;
     else
         ++counts_.rays.refracted;
 }
 
-/// Enters what `node` sees into the arrays that detection scans.
-void CellUpdate::see(NodeIndex node) {
-    const trace::Hit& hit = trees_.nodes[node].hit;
-    trees_.paths[node] = table_.intern(
-        table_.grid().path(trees_.nodes[node].origin, trees_.nodes[node].direction, hit.t));
-    trees_.objects[node] = hit.object;
-    trees_.material_bits[node] = history::no_material_bit;
-}
-
-/// Traces a node that has its ray, and everything below it (section 2.5).
-void CellUpdate::trace_new(NodeIndex index, std::int64_t cost) {
-    count_new();
-    Node& node = trees_.nodes[index];
-    node.reflected = node.refracted = no_node;
-    node.hit = intersector_.nearest_and_behind(ray_of(index), node.behind, counts_.rays.queries);
-    node.behind_known = true;
-    node.epoch = intersector_.epoch();
-    see(index);
-    settle(index, cost, true);
-}
-
-// ---- one node
-// ------------------------------------------------------------------------------------
-
-/// Brings the cumulative values of `node` up to date. Its visible point is known; `fresh`: and is a
-/// new one, so that nothing kept of its shadow rays and branches holds.
-void CellUpdate::settle(NodeIndex index, std::int64_t cost, bool fresh) {
-    trees_.nodes[index].unscaled = {0, 0, 0};
-    trees_.nodes[index].greatest_traced = -no_price;
-    trees_.nodes[index].least_cut = no_price;
-    if (!trees_.nodes[index].hit) {
-        for (std::size_t l = 0; l < lights_.size(); ++l) {
-            trees_.columns[l][index] = {0, 0, 0};
-            trees_.set_shadow_path(trees_.shadows[l][index], no_path);
-        }
-        return;
-    }
-    const shade::VisiblePoint point =
-        shading_.visible_point(ray_of(index), trees_.nodes[index].hit);
-    trees_.material_bits[index] = point.surface.material % 64;
-    settle_lights(index, point, fresh);
-    trees_.nodes[index].unscaled = V3f(point.response.emission);
-    if (trees_.nodes[index].depth == shading_.max_depth()) return;
-    const shade::Spawned rays = shading_.spawned(point);
-    const NodeIndex reflected =
-        settle_branch(index, trees_.nodes[index].reflected, point, rays.reflect_direction,
-                      rays.reflect_weight, cost, counts_.rays.reflected);
-    trees_.nodes[index].reflected = reflected;
-    const NodeIndex refracted =
-        settle_branch(index, trees_.nodes[index].refracted, point, rays.refract_direction,
-                      rays.refract_weight, cost, counts_.rays.refracted);
-    trees_.nodes[index].refracted = refracted;
-}
-
-void CellUpdate::settle_lights(NodeIndex node, const shade::VisiblePoint& point, bool fresh) {
-    ++counts_.rays.shadings;
-    for (std::size_t l = 0; l < lights_.size(); ++l) {
-        ShadowRecord& record = trees_.shadows[l][node];
-        V3f& column = trees_.columns[l][node];
-        const std::optional<shade::LightSample> sample = shading_.light_sample(point, lights_[l]);
-        if (!sample || !sample->shadow_ray) trees_.set_shadow_path(record, no_path);
-        if (!sample) {
-            column = {0, 0, 0};
-            continue;
-        }
-        V3d response = sample->response;
-        if (sample->shadow_ray) {
-            const trace::Ray& ray = *sample->shadow_ray;
-            if (fresh || record.path == no_path) {
-                ++counts_.rays.shadow;
-                count_new();
-                record.occlusion = intersector_.occlusion(ray, counts_.rays.queries);
-                trees_.set_shadow_path(
-                    record, table_.intern(table_.grid().path(ray.origin, ray.direction,
-                                                             static_cast<double>(ray.t_max))));
-            }
-            response *= shade::transmittance(record.occlusion);
-        }
-        column = V3f(response);
-    }
-}
-
-/// Redoes a flagged shadow ray (section 4.1) as far as what changed can matter to it; true if it
-/// lets another share of light through.
-bool CellUpdate::update_shadow(ShadowRecord& record, const trace::Ray& ray) {
-    const trace::Occlusion was = record.occlusion;
-    ++counts_.tested;
-    if (was.blocker == trace::none && was.depth == trace::OpticalDepth{}) {
-        // Nothing was in between, so nothing that stays is, unless it began to stop light.
-        if (!meets_arrivals(ray, static_cast<double>(ray.t_max))) return false;
-        if (!plan_.still_tint_changed) {
-            ++counts_.rays.shadow;
-            record.occlusion = intersector_.occlusion_moving(ray, counts_.rays.queries);
-            return !(record.occlusion.depth == was.depth);
-        }
-    }
-    ++counts_.rays.shadow;
-    ++counts_.retraced;
-    record.occlusion = intersector_.occlusion(ray, counts_.rays.queries);
-    return !(record.occlusion.depth == was.depth);
-}
-
-/// One branch of `node`: kept, walked, traced anew or cut, as its weight and direction now say;
-/// then its cumulative intensity joins the node's. Returns the branch's node.
-history::NodeIndex CellUpdate::settle_branch(NodeIndex node, NodeIndex child,
-                                             const shade::VisiblePoint& point, const V3d& direction,
-                                             const V3d& weight, std::int64_t cost,
-                                             std::uint64_t& kind) {
-    const V3f share(weight);
-    const std::optional<std::int64_t> own = shade::price(share);
-    const bool traced = own && shading_.affordable(cost + *own);
-    if (own && !traced)
-        trees_.nodes[node].least_cut =
-            std::min(trees_.nodes[node].least_cut, static_cast<std::int32_t>(*own));
-    if (!traced) {
-        trees_.remove(child);
-        return no_node;
-    }
-    const std::int64_t below = cost + *own;
-    const trace::Ray ray = shading_.spawned_ray(point, direction);
-    if (child != no_node) {
-        const Node& kept = trees_.nodes[child];
-        // Another price upstream may cut what was traced below, or trace what was cut.
-        const bool holds =
-            same_bits(kept.origin, ray.origin) && same_bits(kept.direction, ray.direction) &&
-            (kept.greatest_traced == -no_price ||
-             shading_.affordable(below + kept.greatest_traced)) &&
-            (kept.least_cut == no_price || !shading_.affordable(below + kept.least_cut));
-        if (!holds) {
-            trees_.remove(child);
-            child = no_node;
-        } else if (trees_.marks[child]) {
-            walk(child, below);
-        }
-    }
-    if (child == no_node) {
-        ++kind;
-        child = trees_.add();
-        Node& fresh = trees_.nodes[child];
-        fresh.origin = ray.origin;
-        fresh.direction = ray.direction;
-        fresh.parent = node;
-        fresh.depth = static_cast<std::uint8_t>(trees_.nodes[node].depth + 1);
-        trace_new(child, below);
-    }
-    Node& parent = trees_.nodes[node];
-    const Node& branch = trees_.nodes[child];
-    const auto price = static_cast<std::int32_t>(*own);
-    parent.greatest_traced =
-        std::max({parent.greatest_traced, price,
-                  branch.greatest_traced == -no_price ? price : price + branch.greatest_traced});
-    if (branch.least_cut != no_price)
-        parent.least_cut = std::min(parent.least_cut, price + branch.least_cut);
+V3f CellUpdate::radiance(history::SampleIndex sample) const {
+    const PointIndex at = trees_.nodes[trees_.roots[sample]].point;
+    if (at == no_point) return {0, 0, 0};
+    V3d sum(trees_.columns[0].cumulative[at]);
     for (std::size_t l = 0; l < lights_.size(); ++l)
-        trees_.columns[l][node] =
-            shade::add_scaled(trees_.columns[l][node], share, trees_.columns[l][child]);
-    parent.unscaled = shade::add_scaled(parent.unscaled, share, branch.unscaled);
-    return child;
-}
-
-// ---- results
-// -------------------------------------------------------------------------------------
-
-V3f CellUpdate::radiance(NodeIndex root) const {
-    V3d sum(trees_.nodes[root].unscaled);
-    for (std::size_t l = 0; l < lights_.size(); ++l)
-        sum += V3d(lights_[l].record.energy) * V3d(trees_.columns[l][root]);
+        sum += V3d(lights_[l].record.energy) * V3d(trees_.columns[1 + l].cumulative[at]);
     return V3f(sum);
 }
 
-shade::FirstHit CellUpdate::first_hit(NodeIndex root) const {
-    for (NodeIndex n = root; n != no_node && trees_.nodes[n].hit; n = trees_.nodes[n].refracted) {
-        const shade::VisiblePoint point = shading_.visible_point(ray_of(n), trees_.nodes[n].hit);
-        if (!point.response.invisible) return shading_.first_hit(point, trees_.nodes[n].hit);
+shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface) const {
+    NodeIndex node = trees_.roots[sample];
+    while (node != no_node && trees_.nodes[node].point != no_point) {
+        if (!shading_.response(material_of(node)).invisible)
+            return surface ? shading_.first_hit(shade_point_of(node), trees_.hit(node))
+                           : shade::FirstHit{true};
+        node = trees_.points[trees_.nodes[node].point].branches[1];
     }
     return {};
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The update of one cell (paper, sections 2 to 4): detect what may have changed, re-trace what did,
-// combine upward along the walked paths. The initial step is the same code over empty trees.
+// The update of one cell (paper, sections 2 to 4): detect what may have changed, test it, shade what
+// did, combine upward along the walked paths. The initial step is the same code over empty trees.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "irt/history/path_table.h"
 #include "irt/history/ray_trees.h"
@@ -16,72 +17,101 @@ namespace irt::update {
 
 /// What an update did (DESIGN 7).
 struct UpdateCounts {
-    std::uint64_t flagged = 0, tested = 0, retraced = 0;
-    std::uint64_t changed = 0;  ///< at most so many: a node shaded again counts, equal or not
-    std::uint64_t new_rays = 0, nodes_traversed = 0, whole_scene = 0;
-    shade::Counts rays;  ///< rays traced anew, and the work of all
+    std::uint64_t flagged = 0, tested = 0, retraced = 0, changed = 0;
+    std::uint64_t new_rays = 0, nodes_traversed = 0;
+    std::uint64_t uncovered = 0;    ///< rays whose visible object is one that changed
+    std::uint64_t whole_scene = 0;  ///< of those: rays for which the whole scene was searched
+    shade::Counts rays;             ///< rays traced anew, and the work of all
 
     UpdateCounts& operator+=(const UpdateCounts& other);
+};
+
+/// Lists that one cell's update fills, kept so that updates allocate nothing once they are warm.
+struct CellLists {
+    struct LightNodeIndex {
+        history::PointIndex point;
+        std::uint32_t light;
+    };
+    std::vector<history::NodeIndex> flagged;
+    std::vector<LightNodeIndex> flagged_shadows;
+    std::vector<history::SampleIndex> walked;  ///< samples whose roots are marked
+    std::vector<history::NodeIndex> combined;  ///< nodes to combine, every one after its branches
+    std::vector<std::uint32_t> retraced;       ///< by sample: rays retraced; empty: nobody asked
+
+    void clear();
 };
 
 class CellUpdate {
   public:
     CellUpdate(const shade::Shading& shading, const trace::Intersector& intersector,
-               const Plan& plan, history::PathTable& table, history::RayTrees& trees)
-        : shading_(shading),
-          intersector_(intersector),
-          plan_(plan),
-          table_(table),
-          trees_(trees),
-          lights_(shading.scene().lights()) {}
+               const Plan& plan, history::PathTable& table, history::RayTrees& trees,
+               CellLists& lists);
 
-    /// Makes the next node the root of a sample's tree; all roots come before any is traced.
-    void add_root(const trace::Ray& ray);
-    void trace_root(history::NodeIndex root);
+    /// Traces the cell's next sample and keeps its tree.
+    void trace_sample(const trace::Ray& primary);
+
+    // An update: these in turn.
 
     /// Puts the columns of lights in the order they now have, drops those of lights that are gone
     /// and makes empty ones for new lights.
     void keep_lights();
-    /// Finds what changed: tests every flagged segment and shadow ray against what changed, and
-    /// marks the nodes that differ, and the way there from their roots.
+    /// Looks up the flags of all paths and masks.
     void detect();
-    /// Brings the tree of sample `root` up to date; true if it was marked.
-    bool walk_root(history::NodeIndex root);
+    /// Tests every flagged segment and shadow ray against what changed, and marks the nodes that
+    /// differ and the ways to their roots.
+    void test();
+    /// Walks from the marked roots: shades what is marked, traces what is new.
+    void shade();
+    /// Brings the cumulative intensities along the walked paths up to date.
+    void combine();
 
-    /// The beauty of the sample: scene-linear RGB.
-    [[nodiscard]] V3f radiance(history::NodeIndex root) const;
-    [[nodiscard]] shade::FirstHit first_hit(history::NodeIndex root) const;
+    /// Samples whose intensity may have changed.
+    [[nodiscard]] const std::vector<history::SampleIndex>& walked() const { return lists_.walked; }
+
+    /// The beauty of a sample: scene-linear RGB.
+    [[nodiscard]] V3f radiance(history::SampleIndex sample) const;
+    /// What a sample sees first; `surface`: with all fields, not `hit` alone.
+    [[nodiscard]] shade::FirstHit first_hit(history::SampleIndex sample, bool surface) const;
 
     [[nodiscard]] const UpdateCounts& counts() const { return counts_; }
 
   private:
     using NodeIndex = history::NodeIndex;
+    using PointIndex = history::PointIndex;
+    using ShadePoint = shade::VisiblePoint;
 
-    void trace_new(NodeIndex node, std::int64_t cost);
-    void walk(NodeIndex node, std::int64_t cost);
-    bool find_visible(NodeIndex node);
-    void see(NodeIndex node);
-    void count_new();
-    void count_ray(NodeIndex node);
-    void settle(NodeIndex node, std::int64_t cost, bool fresh);
-    void settle_lights(NodeIndex node, const shade::VisiblePoint& point, bool fresh);
-    [[nodiscard]] std::uint8_t detect_node(NodeIndex node);
-    [[nodiscard]] bool shadows_differ(NodeIndex node);
-    [[nodiscard]] bool update_shadow(history::ShadowRecord& record, const trace::Ray& ray);
-    [[nodiscard]] bool meets_arrivals(const trace::Ray& ray, double t_end) const;
-    NodeIndex settle_branch(NodeIndex node, NodeIndex child, const shade::VisiblePoint& point,
-                            const V3d& direction, const V3d& weight, std::int64_t cost,
-                            std::uint64_t& kind);
-    [[nodiscard]] bool record_holds(const history::Node& node) const;
-    [[nodiscard]] trace::Ray ray_of(NodeIndex node) const {
-        return {trees_.nodes[node].origin, trees_.nodes[node].direction};
+    void test_segment(NodeIndex node);
+    void test_shadow(PointIndex point, std::size_t light);
+    [[nodiscard]] bool record_holds(PointIndex point) const;
+    void replace_visible(NodeIndex node, const trace::Hit& hit, const history::HitBehind& behind);
+    void light_new_lights();
+
+    void trace_new(NodeIndex node, int depth, std::int64_t cost);
+    void walk(NodeIndex node, int depth, std::int64_t cost);
+    void shade_point(NodeIndex node, int depth, std::int64_t cost);
+    void respond(const ShadePoint& point, PointIndex at, std::size_t light);
+    void trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t light);
+    void settle_branch(NodeIndex node, int which, const ShadePoint& point, const V3d& direction,
+                       const V3d& weight, int depth, std::int64_t cost);
+    [[nodiscard]] bool branch_holds(NodeIndex branch, const trace::Ray& ray,
+                                    std::int64_t cost) const;
+    void combine_node(NodeIndex node);
+
+    void mark(NodeIndex node, std::uint8_t what);
+    void count_retraced(NodeIndex node);
+    void count_new(NodeIndex node);
+    void count_query(NodeIndex node);
+    [[nodiscard]] ShadePoint shade_point_of(NodeIndex node) const {
+        return shading_.visible_point(trees_.ray(node), trees_.hit(node));
     }
+    [[nodiscard]] std::uint32_t material_of(NodeIndex node) const;
 
     const shade::Shading& shading_;
     const trace::Intersector& intersector_;
     const Plan& plan_;
     history::PathTable& table_;
     history::RayTrees& trees_;
+    CellLists& lists_;
     const std::vector<LightSlot>& lights_;
     UpdateCounts counts_;
 };

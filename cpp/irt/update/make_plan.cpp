@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "irt/scene/equality.h"
+#include "irt/update/footprint.h"
 
 namespace irt::update {
 
@@ -35,45 +36,83 @@ std::vector<std::uint32_t> showing(const Scene& scene,
     return slots;
 }
 
+/// Whether some part of `object` is not opaque. Of an object that was replaced: by the materials in
+/// force now; where one of those changed its tint the plan says so anyway.
+bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
+    const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
+    for (std::uint32_t part = 0; part < parts; ++part)
+        for (const std::uint32_t depth : scene.materials()[object.part(part).material].shadow_depth.rgb)
+            if (depth < trace::depth_opaque) return true;
+    return false;
+}
+
 }  // namespace
 
-std::vector<trace::Box> footprints(const trace::Intersector& intersector,
-                                   const std::vector<std::uint32_t>& slots) {
+void Boxes::add(const trace::Box& box, double slack) {
+    if (box.empty()) return;
+    const trace::Box larger{box.lower - V3d(slack), box.upper + V3d(slack)};
+    merged_ = merged_ || boxes_.size() == few;
+    if (!merged_) return boxes_.push_back(larger);
+    for (std::size_t i = 1; i < boxes_.size(); ++i) boxes_[0].extend(boxes_[i]);
+    boxes_.resize(1);
+    boxes_[0].extend(larger);
+}
+
+bool Boxes::may_meet(const V3d& origin, const V3d& direction, double t_end) const {
+    return std::any_of(boxes_.begin(), boxes_.end(), [&](const trace::Box& box) {
+        double enter = 0, exit = t_end;
+        return trace::clip(box, origin, direction, enter, exit);
+    });
+}
+
+std::vector<trace::Box> object_boxes(const trace::Intersector& intersector,
+                                     const std::vector<std::uint32_t>& slots) {
     std::vector<trace::Box> boxes;
-    for (const std::uint32_t slot : slots) {
-        const trace::Box box = intersector.box(slot);
-        if (!box.empty()) boxes.push_back(box);
-    }
+    for (const std::uint32_t slot : slots)
+        if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
     return boxes;
 }
 
 Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
-               const AppliedChanges& applied, std::vector<trace::Box> old_footprints,
-               const std::vector<LightSlot>& old_lights) {
+               const history::VoxelGrid& grid, const AppliedChanges& applied,
+               const std::vector<trace::Box>& old_boxes, const std::vector<LightSlot>& old_lights) {
     Plan plan;
     plan.geometry_changed.resize(scene.objects().size());
     plan.tint_changed.resize(scene.objects().size());
-    const auto add_arrivals = [&](const std::vector<std::uint32_t>& slots) {
-        const std::vector<trace::Box> boxes = footprints(intersector, slots);
-        plan.arrivals.insert(plan.arrivals.end(), boxes.begin(), boxes.end());
-    };
+    plan.rebound.resize(scene.objects().size());
+    plan.material_changed.resize(scene.materials().size());
+    const double slack = intersector.pad();
+    Footprints footprints(grid, applied.geometry.size() + applied.previous.size());
 
-    for (const std::uint32_t slot : applied.geometry)
+    for (const std::uint32_t slot : applied.geometry) {
         plan.geometry_changed[slot] = plan.tint_changed[slot] = true;
-    add_arrivals(applied.geometry);
+        plan.arrivals.add(intersector.box(slot), slack);
+        footprints.add(scene.objects()[slot]);
+    }
+    for (const trace::Box& box : old_boxes) plan.departures.add(box, slack);
+    for (const ObjectSlot& object : applied.previous) {
+        plan.tint_departed = plan.tint_departed || lets_light_through(scene, object);
+        footprints.add(object);
+    }
 
-    for (const std::uint32_t slot : applied.materials) plan.material_mask |= 1ull << slot % 64;
     std::vector<std::uint32_t> tinted = showing(scene, applied.tints);
     tinted.insert(tinted.end(), applied.retinted.begin(), applied.retinted.end());
     for (const std::uint32_t slot : tinted) {
         plan.tint_changed[slot] = true;
-        plan.still_tint_changed = plan.still_tint_changed || !plan.geometry_changed[slot];
+        plan.tint_departed = true;
+        if (plan.geometry_changed[slot]) continue;
+        plan.still_tint_changed = true;
+        plan.arrivals.add(intersector.box(slot), slack);
+        footprints.add(scene.objects()[slot]);
     }
-    add_arrivals(tinted);
-    plan.regions = std::move(old_footprints);
-    plan.regions.insert(plan.regions.end(), plan.arrivals.begin(), plan.arrivals.end());
+    plan.regions = footprints.regions();
 
-    if (!applied.rebound.empty()) plan.rebound.resize(scene.objects().size());
+    for (const std::uint32_t slot : applied.materials) {
+        plan.material_mask |= std::uint64_t{1} << slot % 64;
+        plan.material_changed[slot] = true;
+    }
+    for (const std::uint32_t slot : applied.unbound)
+        plan.material_mask |= std::uint64_t{1} << slot % 64;
     for (const std::uint32_t slot : applied.rebound) plan.rebound[slot] = true;
 
     plan.lights_differ = !applied.lights.empty();

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "irt/history/voxel_grid.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/intersector.h"
 #include "irt/update/plan.h"
@@ -11,12 +12,13 @@
 namespace irt::update {
 
 /// Boxes of the objects in `slots`, as they are in the trees now; objects without one left out.
-std::vector<trace::Box> footprints(const trace::Intersector& intersector,
-                                   const std::vector<std::uint32_t>& slots);
+std::vector<trace::Box> object_boxes(const trace::Intersector& intersector,
+                                     const std::vector<std::uint32_t>& slots);
 
-/// `old_footprints` and `old_lights` are those from before `applied`; scene and trees are as after.
+/// `old_boxes` (of the objects whose geometry changed) and `old_lights` are those from before
+/// `applied`; scene and trees are as after.
 Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
-               const AppliedChanges& applied, std::vector<trace::Box> old_footprints,
-               const std::vector<LightSlot>& old_lights);
+               const history::VoxelGrid& grid, const AppliedChanges& applied,
+               const std::vector<trace::Box>& old_boxes, const std::vector<LightSlot>& old_lights);
 
 }  // namespace irt::update

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/update/footprint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "irt/trace/judge_quadric.h"
+
+namespace irt::update {
+
+namespace {
+
+using history::grid_side;
+using history::Voxel;
+using history::VoxelGrid;
+using history::VoxelSet;
+
+constexpr double dilation = VoxelGrid::dilation;
+
+/// Voxels [first, last] along one axis that the stretch [lower, upper] meets, dilated; what lies
+/// outside the grid is told to `voxels`.
+struct Range {
+    std::int32_t first, last;
+};
+Range range(double lower, double upper, VoxelSet& voxels) {
+    lower = std::floor(lower - dilation);
+    upper = std::floor(upper + dilation);
+    constexpr double most = grid_side - 1.0;
+    if (lower < 0 || upper > most) voxels.add_outside();
+    return {static_cast<std::int32_t>(std::clamp(lower, 0.0, most + 1)),
+            static_cast<std::int32_t>(std::clamp(upper, -1.0, most))};
+}
+
+/// A convex polygon of few corners: a triangle clipped by up to four planes has at most 7; rounding may
+/// give it a few more.
+struct Polygon {
+    std::array<V3d, 12> corners = filled(V3d(0));
+    std::size_t count = 0;
+
+    static constexpr std::array<V3d, 12> filled(const V3d& p) {
+        return {p, p, p, p, p, p, p, p, p, p, p, p};
+    }
+
+    void add(const V3d& p) { corners[count++] = p; }
+    [[nodiscard]] Range range_along(int axis, VoxelSet& voxels) const {
+        double lower = corners[0][axis], upper = lower;
+        for (std::size_t i = 1; i < count; ++i) {
+            lower = std::min(lower, corners[i][axis]);
+            upper = std::max(upper, corners[i][axis]);
+        }
+        return range(lower, upper, voxels);
+    }
+};
+
+/// The part of `polygon` where side * coordinate <= side * plane (Sutherland and Hodgman, "Reentrant
+/// Polygon Clipping", CACM 17(1), 1974).
+Polygon clipped(const Polygon& polygon, int axis, double plane, double side) {
+    Polygon out;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+        const V3d &a = polygon.corners[i], &b = polygon.corners[(i + 1) % polygon.count];
+        const double da = side * (a[axis] - plane), db = side * (b[axis] - plane);
+        if (da <= 0) out.add(a);
+        if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
+            V3d p = a + (b - a) * (da / (da - db));
+            p[axis] = plane;
+            out.add(p);
+        }
+    }
+    return out;
+}
+
+/// The part of `polygon` within voxel layer `i` along `axis`, dilated.
+Polygon layer(const Polygon& polygon, int axis, std::int32_t i) {
+    const Polygon above = clipped(polygon, axis, i - dilation, -1);
+    return above.count == 0 ? above : clipped(above, axis, i + 1 + dilation, 1);
+}
+
+/// `corners` in voxels.
+void add_triangle(const V3d& a, const V3d& b, const V3d& c, VoxelSet& voxels) {
+    Polygon triangle;
+    for (const V3d& p : {a, b, c}) triangle.add(p);
+    const Range x = triangle.range_along(0, voxels);
+    for (std::int32_t i = x.first; i <= x.last; ++i) {
+        const Polygon slab = x.first == x.last ? triangle : layer(triangle, 0, i);
+        if (slab.count == 0) continue;
+        const Range y = slab.range_along(1, voxels);
+        for (std::int32_t j = y.first; j <= y.last; ++j) {
+            const Polygon bar = y.first == y.last ? slab : layer(slab, 1, j);
+            if (bar.count == 0) continue;
+            const Range z = bar.range_along(2, voxels);
+            for (std::int32_t k = z.first; k <= z.last; ++k) voxels.add({i, j, k});
+        }
+    }
+}
+
+/// Half the lengths of the solid's box in its own space.
+V3d half_lengths(const Quadric& q) {
+    switch (q.kind) {
+        case QuadricKind::Sphere:
+            return V3d(q.radius);
+        case QuadricKind::Cube:
+            return V3d(q.size / 2);
+        case QuadricKind::Cylinder:
+        case QuadricKind::Cone:
+            return {q.radius, q.radius, q.height / 2};
+        case QuadricKind::Capsule:
+            return {q.radius, q.radius, q.height / 2 + q.radius};
+        case QuadricKind::Plane:
+            return {q.width / 2, q.length / 2, 0};
+    }
+    return V3d(0);
+}
+
+/// A parallelepiped in voxels: centre and half axes.
+struct OrientedBox {
+    V3d centre, axes[3];
+
+    [[nodiscard]] double reach(const V3d& normal) const {
+        return std::fabs(axes[0].dot(normal)) + std::fabs(axes[1].dot(normal)) +
+               std::fabs(axes[2].dot(normal));
+    }
+};
+
+/// Voxels that no face of either box parts from `box`; those of the edges' cross products are not
+/// tried, which errs to the safe side.
+void add_box(const OrientedBox& box, VoxelSet& voxels) {
+    Range along[3]{};
+    for (int a = 0; a < 3; ++a) {
+        V3d unit(0);
+        unit[a] = 1;
+        const double reach = box.reach(unit);
+        along[a] = range(box.centre[a] - reach, box.centre[a] + reach, voxels);
+    }
+    V3d normals[3];
+    double reaches[3];
+    for (int n = 0; n < 3; ++n) {
+        normals[n] = box.axes[(n + 1) % 3].cross(box.axes[(n + 2) % 3]);
+        const double of_voxel = (0.5 + dilation) * (std::fabs(normals[n].x) +
+                                                    std::fabs(normals[n].y) +
+                                                    std::fabs(normals[n].z));
+        reaches[n] = box.reach(normals[n]) + of_voxel;
+    }
+    for (std::int32_t k = along[2].first; k <= along[2].last; ++k)
+        for (std::int32_t j = along[1].first; j <= along[1].last; ++j)
+            for (std::int32_t i = along[0].first; i <= along[0].last; ++i) {
+                const V3d between = V3d(i + 0.5, j + 0.5, k + 0.5) - box.centre;
+                bool apart = false;
+                for (int n = 0; n < 3 && !apart; ++n)
+                    apart = std::fabs(between.dot(normals[n])) > reaches[n];
+                if (!apart) voxels.add({i, j, k});
+            }
+}
+
+/// Adds what `surface` meets to `voxels`, and its bounds in voxels to `bounds`. `render_from_trace`
+/// is null where trace space is render space.
+void add_surface(const Surface& surface, const M44d* render_from_trace, const VoxelGrid& grid,
+                 VoxelSet& voxels, trace::Box& bounds) {
+    const auto in_voxels = [&](const V3d& p) {
+        return grid.in_voxels(render_from_trace ? transform_point(*render_from_trace, p) : p);
+    };
+    if (surface.triangles) {
+        const Triangles& mesh = *surface.triangles;
+        for (const auto& t : mesh.triangles) {
+            const V3d a = in_voxels(V3d(mesh.points[t[0]])), b = in_voxels(V3d(mesh.points[t[1]])),
+                      c = in_voxels(V3d(mesh.points[t[2]]));
+            for (const V3d& p : {a, b, c}) bounds.extend(p);
+            add_triangle(a, b, c, voxels);
+        }
+        return;
+    }
+    const V3d half = half_lengths(surface.quadric);
+    OrientedBox box;
+    box.centre = in_voxels(transform_point(surface.trace_from_shape, V3d(0)));
+    for (int a = 0; a < 3; ++a) {
+        V3d corner(0);
+        corner[a] = half[a];
+        box.axes[a] = in_voxels(transform_point(surface.trace_from_shape, corner)) - box.centre;
+    }
+    for (int a = 0; a < 3; ++a) {
+        V3d unit(0);
+        unit[a] = 1;
+        const double reach = box.reach(unit);
+        bounds.lower[a] = std::min(bounds.lower[a], box.centre[a] - reach);
+        bounds.upper[a] = std::max(bounds.upper[a], box.centre[a] + reach);
+    }
+    add_box(box, voxels);
+}
+
+void add_object(const ObjectSlot& object, const VoxelGrid& grid, VoxelSet& voxels,
+                trace::Box& bounds) {
+    if (!object.prototype) return add_surface(object.surface, nullptr, grid, voxels, bounds);
+    for (const Surface& part : object.prototype->surfaces)
+        add_surface(part, &object.render_from_prototype, grid, voxels, bounds);
+}
+
+}  // namespace
+
+Footprints::Footprints(const VoxelGrid& grid, std::size_t objects)
+    : grid_(grid), apart_(objects <= few) {}
+
+void Footprints::add(const ObjectSlot& object) {
+    if (!object.live) return;
+    if (!apart_) return add_object(object, grid_, together_, bounds_);
+    VoxelSet voxels;
+    trace::Box bounds;
+    add_object(object, grid_, voxels, bounds);
+    regions_.add(voxels, bounds);
+}
+
+history::Regions Footprints::regions() const {
+    history::Regions all = regions_;
+    if (!apart_) all.add(together_, bounds_);
+    return all;
+}
+
+}  // namespace irt::update

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The voxels an object's surface occupies: what a changed object flags (paper, section 2.2).
+#pragma once
+
+#include "irt/history/voxel_grid.h"
+#include "irt/scene/scene.h"
+
+namespace irt::update {
+
+/// Collects the voxels that objects' surfaces meet, each enlarged by VoxelGrid::dilation: triangles
+/// clipped to voxels; of a quadric, the voxels its oriented box meets. A superset, so that the path
+/// of every ray that hits an object meets the regions (DESIGN 3, rule 8).
+class Footprints {
+  public:
+    /// `objects`: how many will be added. While they are few each has its own boxes, cut to its own
+    /// bounds.
+    Footprints(const history::VoxelGrid& grid, std::size_t objects);
+
+    void add(const ObjectSlot& object);
+    [[nodiscard]] history::Regions regions() const;
+
+  private:
+    static constexpr std::size_t few = 16;
+
+    const history::VoxelGrid& grid_;
+    bool apart_;
+    history::Regions regions_;
+    history::VoxelSet together_;
+    trace::Box bounds_;  ///< in voxels, of `together_`
+};
+
+}  // namespace irt::update
