@@ -74,8 +74,7 @@ py::dict statistics(const UpdateReport& report) {
     const HistorySize& history = report.history;
     using py::literals::operator""_a;
     py::dict bytes;
-    for (const auto& [kind, size] : history.bytes)
-        bytes[py::str(std::string(kind))] = size;
+    for (const auto& [kind, size] : history.bytes) bytes[py::str(std::string(kind))] = size;
     return py::dict(
         "restart"_a =
             report.restart.empty() ? py::object(py::none()) : py::object(py::str(report.restart)),
@@ -85,21 +84,19 @@ py::dict statistics(const UpdateReport& report) {
         "tested_rays"_a = sum.tested, "retraced_rays"_a = sum.retraced,
         "changed_rays"_a = sum.changed, "new_rays"_a = sum.new_rays,
         "uncovered_rays"_a = sum.uncovered, "whole_scene_rays"_a = sum.whole_scene,
-        "nodes_traversed"_a = sum.nodes_traversed,
-        "intersections"_a = rays.queries.candidates, "shadings"_a = rays.shadings,
+        "nodes_traversed"_a = sum.nodes_traversed, "intersections"_a = rays.queries.candidates,
+        "shadings"_a = rays.shadings,
         "history"_a = py::dict("nodes"_a = history.nodes, "points"_a = history.points,
-                               "all_bytes"_a = history.all_bytes(),
-                               "bytes"_a = bytes),
+                               "all_bytes"_a = history.all_bytes(), "bytes"_a = bytes),
         "seconds"_a = py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
                                "plan"_a = report.plan_seconds, "trace"_a = report.trace_seconds,
                                "total"_a = report.apply_seconds + report.bvh_seconds +
                                            report.plan_seconds + report.trace_seconds),
-        "cells"_a = py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds,
-                             "phases"_a = py::dict("detect"_a = seconds.detect,
-                                                   "test"_a = seconds.test,
-                                                   "shade"_a = seconds.shade,
-                                                   "combine"_a = seconds.combine,
-                                                   "write"_a = seconds.write)));
+        "cells"_a =
+            py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds,
+                     "phases"_a = py::dict("detect"_a = seconds.detect, "test"_a = seconds.test,
+                                           "shade"_a = seconds.shade, "combine"_a = seconds.combine,
+                                           "write"_a = seconds.write)));
 }
 
 /// Runs the update beside the interpreter's thread, which goes on to poll signals and report.

@@ -2,6 +2,7 @@
 #include "irt/view.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -198,6 +199,7 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
                             CellReports& reports) {
     has_history_ = false;
     if (!history_) history_ = std::make_unique<History>();
+    for (history::RayTrees& cell : history_->cells) cell = history::RayTrees();
     std::vector<trace::Box> boxes;
     for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot)
         if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
@@ -214,22 +216,16 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
         casts_shadows.push_back(light.record.casts_shadows);
     std::vector<update::CellUpdate> cells;
     cells.reserve(cells::cell_count);
-    for (std::size_t k = 0; k < cells::cell_count; ++k) {
-        history_->cells[k].reset(casts_shadows);
+    for (std::size_t k = 0; k < cells::cell_count; ++k)
         cells.emplace_back(shading, intersector, nothing, history_->table, history_->cells[k],
                            history_->lists[k]);
-    }
     const int groups = std::min(cells::thread_count(threads), cells::cell_count);
-    control.steps = groups * block_rows(settings_);
+    control.steps = 2 * groups * block_rows(settings_);
+    std::atomic<std::size_t> blocks = 0;
     cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
         Stopwatch watch;
-        for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
-            const auto first =
-                static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
-            for (int s = 0; s < settings_.samples; ++s)
-                cells[cell].trace_sample(primary_ray(x, y, s));
-            back_.set(x, y, recorded_pixel(cells[cell], first));
-        });
+        record_group(group, control, cells, history_->blocks[blocks++], casts_shadows,
+                     shading.emits());
         const double seconds = watch.lap() / static_cast<double>(group.size());
         for (const int cell : group) reports[static_cast<std::size_t>(cell)].trace = seconds;
     });
@@ -241,6 +237,36 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     std::swap(film_, back_);
     has_history_ = true;
     return true;
+}
+
+/// Records the cells of `group`: the first alone, which tells how much memory the others will take,
+/// for all cells hold alike (paper, section 5); then the others together.
+void View::record_group(cells::CellGroup group, cells::Control& control,
+                        std::vector<update::CellUpdate>& cells, History::Block& block,
+                        const std::vector<bool>& casts_shadows, bool emits) {
+    const auto record = [&](std::size_t cell, int x, int y) {
+        const auto first = static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
+        for (int s = 0; s < settings_.samples; ++s) cells[cell].trace_sample(primary_ray(x, y, s));
+        back_.set(x, y, recorded_pixel(cells[cell], first));
+    };
+    const auto trees = [&](int cell) -> history::RayTrees& {
+        return history_->cells[static_cast<std::size_t>(cell)];
+    };
+    const int pilot = group.front();
+    trees(pilot) = history::RayTrees(casts_shadows, emits);
+    for_each_pixel(settings_, group.first(1), control, record);
+    const cells::CellGroup others = group.subspan(1);
+    const std::size_t size = others.size() * history::RayTrees::bytes_like(trees(pilot));
+    if (block.size < size) {
+        block.bytes = trace::huge_bytes(size);
+        block.size = size;
+    }
+    block.memory.emplace(block.bytes.get(), block.size);
+    for (const int cell : others) {
+        trees(cell) = history::RayTrees(casts_shadows, emits, &*block.memory);
+        trees(cell).reserve_like(trees(pilot));
+    }
+    for_each_pixel(settings_, others, control, record);
 }
 
 void View::update(const Scene& scene, const trace::Intersector& intersector,
@@ -270,6 +296,7 @@ void View::update_cell(std::size_t k, const shade::Shading& shading,
     update::CellUpdate cell(shading, intersector, plan, history_->table, history_->cells[k],
                             history_->lists[k]);
     if (plan.lights_differ) cell.keep_lights();
+    if (shading.emits() && !history_->cells[k].emits) history_->cells[k].start_emission();
     cell.detect();
     report.detect = watch.lap();
     cell.test();

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
+#include <optional>
 #include <vector>
 
 #include "irt/cells/cells.h"
@@ -13,6 +15,7 @@
 #include "irt/shade/recorder.h"
 #include "irt/shade/settings.h"
 #include "irt/shade/whitted.h"
+#include "irt/trace/huge_pages.h"
 #include "irt/trace/intersector.h"
 #include "irt/update/cell_update.h"
 
@@ -89,10 +92,20 @@ class View {
 
   private:
     struct History {
+        /// Memory of the cells that one task recorded, on huge pages.
+        struct Block {
+            trace::HugeBytes bytes;
+            std::size_t size = 0;
+            std::optional<std::pmr::monotonic_buffer_resource> memory;
+        };
         history::PathTable table;
+        std::array<Block, cells::cell_count> blocks;  ///< by task; outlives the trees
         std::array<history::RayTrees, cells::cell_count> cells;
         std::array<update::CellLists, cells::cell_count> lists;
     };
+    void record_group(cells::CellGroup group, cells::Control& control,
+                      std::vector<update::CellUpdate>& cells, History::Block& block,
+                      const std::vector<bool>& casts_shadows, bool emits);
 
     template <class Sample>
     film::PixelValue pixel(Sample&& sample) const;

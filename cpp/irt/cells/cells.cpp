@@ -43,10 +43,11 @@ void for_each_range(int threads, int count, const std::function<void(int begin, 
     oneapi::tbb::task_arena arena(thread_count(threads));
     const int grain = std::max(1, count / (8 * thread_count(threads)));
     arena.execute([&] {
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<int>(0, count, static_cast<std::size_t>(grain)),
-                                  [&](const oneapi::tbb::blocked_range<int>& range) {
-                                      body(range.begin(), range.end());
-                                  });
+        oneapi::tbb::parallel_for(
+            oneapi::tbb::blocked_range<int>(0, count, static_cast<std::size_t>(grain)),
+            [&](const oneapi::tbb::blocked_range<int>& range) {
+                body(range.begin(), range.end());
+            });
     });
 }
 

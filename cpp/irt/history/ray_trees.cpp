@@ -6,34 +6,74 @@ namespace irt::history {
 namespace {
 
 template <class T>
-std::size_t size_of(const std::vector<T>& v) {
+std::size_t size_of(const Array<T>& v) {
     return v.capacity() * sizeof(T);
 }
 
+/// Fetches the line that the next but one elements will be written to: cells are recorded side by
+/// side, so that no processor foresees where the next write goes, and writes that wait stop it.
+template <class T>
+void fetch_next(const Array<T>& v) {
+    __builtin_prefetch(reinterpret_cast<const char*>(v.data() + v.size()) + 64, 1);
+}
+
+/// Room for as many as the like has and a sixteenth more: cells hold alike to a few hundredths, and
+/// updates add a little.
+std::size_t room_like(std::size_t count) { return count + count / 16 + 64; }
+
 }  // namespace
 
-void RayTrees::reset(const std::vector<bool>& casts_shadows) {
-    roots.clear();
-    nodes.clear();
-    paths.clear();
-    marks.clear();
-    points.clear();
-    behind.clear();
-    material_bits.clear();
-    free_nodes.clear();
-    free_points.clear();
-    shadow_rays = 0;
-    columns.resize(casts_shadows.size() + 1);
-    for (Column& column : columns) {
-        column.own.clear();
-        column.cumulative.clear();
+RayTrees::RayTrees(const std::vector<bool>& casts_shadows, bool emission,
+                   std::pmr::memory_resource* memory)
+    : roots(memory),
+      nodes(memory),
+      paths(memory),
+      marks(memory),
+      points(memory),
+      behind(memory),
+      material_bits(memory),
+      emits(emission) {
+    for (std::size_t c = 0; c <= casts_shadows.size(); ++c) columns.emplace_back(memory);
+    for (const bool shadows : casts_shadows) lights.emplace_back(shadows, memory);
+}
+
+void RayTrees::start_emission() {
+    emits = true;
+    columns[0].own.assign(points.size(), V3f(0, 0, 0));
+    columns[0].cumulative.assign(points.size(), V3f(0, 0, 0));
+}
+
+void RayTrees::reserve_like(const RayTrees& like) {
+    const std::size_t node_room = room_like(like.nodes.size()),
+                      point_room = room_like(like.points.size());
+    roots.reserve(room_like(like.roots.size()));
+    nodes.reserve(node_room);
+    paths.reserve(node_room);
+    marks.reserve(node_room);
+    points.reserve(point_room);
+    behind.reserve(point_room);
+    material_bits.reserve(point_room);
+    for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
+        columns[c].own.reserve(point_room);
+        columns[c].cumulative.reserve(point_room);
     }
-    lights.resize(casts_shadows.size());
-    for (std::size_t l = 0; l < lights.size(); ++l) {
-        lights[l].casts_shadows = casts_shadows[l];
-        lights[l].paths.clear();
-        lights[l].occlusions.clear();
+    for (LightNodes& light : lights) {
+        if (!light.casts_shadows) continue;
+        light.paths.reserve(point_room);
+        light.occlusions.reserve(point_room);
     }
+}
+
+std::size_t RayTrees::bytes_like(const RayTrees& like) {
+    std::size_t of_point = sizeof(KeptPoint) + sizeof(HitBehind) + sizeof(std::uint8_t) +
+                           (like.columns.size() - (like.emits ? 0 : 1)) * 2 * sizeof(V3f);
+    for (const LightNodes& light : like.lights)
+        if (light.casts_shadows) of_point += sizeof(PathIndex) + sizeof(trace::Occlusion);
+    const std::size_t of_node = sizeof(Node) + sizeof(PathIndex) + sizeof(std::uint8_t);
+    const std::size_t arrays = 8 + 2 * (like.columns.size() + like.lights.size());
+    return room_like(like.roots.size()) * sizeof(NodeIndex) +
+           room_like(like.nodes.size()) * of_node + room_like(like.points.size()) * of_point +
+           arrays * alignof(std::max_align_t);
 }
 
 NodeIndex RayTrees::add_node() {
@@ -46,6 +86,8 @@ NodeIndex RayTrees::add_node() {
     nodes.back().point = no_point;
     paths.push_back(no_path);
     marks.push_back(0);
+    fetch_next(nodes);
+    fetch_next(paths);
     return static_cast<NodeIndex>(nodes.size() - 1);
 }
 
@@ -56,15 +98,21 @@ PointIndex RayTrees::add_point(NodeIndex node) {
         points.emplace_back();
         behind.emplace_back();
         material_bits.push_back(no_material_bit);
-        for (Column& column : columns) {
-            column.own.emplace_back();
-            column.cumulative.emplace_back();
+        for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
+            columns[c].own.emplace_back();
+            columns[c].cumulative.emplace_back();
+            fetch_next(columns[c].own);
+            fetch_next(columns[c].cumulative);
         }
         for (LightNodes& light : lights)
             if (light.casts_shadows) {
                 light.paths.push_back(no_path);
                 light.occlusions.emplace_back();
+                fetch_next(light.paths);
+                fetch_next(light.occlusions);
             }
+        fetch_next(points);
+        fetch_next(behind);
     } else {
         point = free_points.back();
         free_points.pop_back();
@@ -101,33 +149,14 @@ void RayTrees::set_shadow_path(std::size_t light, PointIndex point, PathIndex pa
     kept = path;
 }
 
-trace::Hit RayTrees::hit(NodeIndex index) const {
-    const Node& node = nodes[index];
-    trace::Hit hit;
-    if (node.point == no_point) return hit;
-    const KeptPoint& point = points[node.point];
-    hit.t = node.t;
-    hit.u = point.u;
-    hit.v = point.v;
-    hit.object = node.object;
-    hit.part = node.part;
-    hit.primitive = node.primitive;
-    hit.piece = point.piece;
-    return hit;
-}
-
 void RayTrees::set_hit(NodeIndex index, const trace::Hit& hit) {
     Node& node = nodes[index];
     node.t = hit.t;
-    node.object = hit.object;
-    node.part = hit.part;
-    node.primitive = hit.primitive;
-    if (!hit) return remove_point(index);
-    const PointIndex at = node.point == no_point ? add_point(index) : node.point;
-    KeptPoint& point = points[at];
-    point.u = hit.u;
-    point.v = hit.v;
-    point.piece = hit.piece;
+    node.visible = trace::HitName(hit);
+    if (!hit)
+        remove_point(index);
+    else if (node.point == no_point)
+        add_point(index);
 }
 
 bool RayTrees::mark(NodeIndex node, std::uint8_t what) {
@@ -149,7 +178,8 @@ SampleIndex RayTrees::sample_of(NodeIndex node) const {
 
 Sizes RayTrees::sizes() const {
     std::size_t intensity = 0, light = 0;
-    for (const Column& column : columns) intensity += size_of(column.own) + size_of(column.cumulative);
+    for (const Column& column : columns)
+        intensity += size_of(column.own) + size_of(column.cumulative);
     for (const LightNodes& l : lights) light += size_of(l.paths) + size_of(l.occlusions);
     return {{"nodes", size_of(roots) + size_of(nodes) + size_of(marks) + size_of(free_nodes)},
             {"points", size_of(points) + size_of(free_points)},

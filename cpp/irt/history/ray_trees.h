@@ -5,11 +5,13 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory_resource>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "irt/history/path_table.h"
+#include "irt/trace/judge_primitive.h"
 #include "irt/trace/ray.h"
 
 namespace irt::history {
@@ -22,15 +24,14 @@ inline constexpr std::uint32_t no_node = 0xffffffffu, no_point = 0xffffffffu;
 /// Set in Node::parent of a root; the other bits are then its sample.
 inline constexpr std::uint32_t root_bit = 0x80000000u;
 
-/// A node: a ray, and which point it sees. `weight` is the share with which its cumulative intensity
-/// joins its parent's; a root's is not read. The hit's (object, part, primitive) and `t` are here
-/// because the test of a flagged segment reads them; the rest is in the point.
+/// A node: a ray, and what it sees, by name and distance. `weight` is the share with which its
+/// cumulative intensity joins its parent's; a root's is not read.
 struct Node {
     V3f origin, direction;  ///< the ray; render space
     V3f weight;
     NodeIndex parent;
     double t;  ///< of the visible point; infinite where there is none
-    std::uint32_t object, part, primitive;
+    trace::HitName visible;
     PointIndex point;  ///< no_point where the ray meets nothing
 };
 static_assert(sizeof(Node) == 64);
@@ -40,42 +41,52 @@ inline constexpr std::int32_t no_price = std::numeric_limits<std::int32_t>::max(
 
 /// A node's visible point, and what it spawned.
 struct KeptPoint {
-    double u, v;  ///< as in trace::Hit
     NodeIndex node;
     NodeIndex branches[2];  ///< reflected, refracted; or no_node
-    /// Prices relative to this node (DESIGN 3, rule 5): the least of its own branches that were cut;
-    /// and of all below it, the greatest traced and the least cut.
+    /// Prices relative to this node (DESIGN 3, rule 5): the least of its own branches that were
+    /// cut; and of all below it, the greatest traced and the least cut.
     std::int32_t own_cut, greatest_traced, least_cut;
     std::int16_t prices[2];  ///< of the branches
-    std::uint8_t piece;      ///< as in trace::Hit
 };
-static_assert(sizeof(KeptPoint) == 48);
+static_assert(sizeof(KeptPoint) == 28);
 
-/// The intersection history (sections 2.2 and 2.4): the nearest hit on an object outside the dynamic
-/// set and other than the visible one. Void once its object has joined that set, or the set was
-/// folded.
+/// The intersection history (sections 2.2 and 2.4): the nearest hit on an object outside the
+/// dynamic set and other than the visible one. Void once its object has joined that set, or the set
+/// was folded.
 struct HitBehind {
-    trace::Hit hit;
+    trace::HitName hit;
     std::uint32_t epoch = unknown;  ///< of the dynamic set, when it was recorded
     static constexpr std::uint32_t unknown = 0xffffffffu;
 };
+static_assert(sizeof(HitBehind) == 16);
+
+/// The arrays of a cell, which draw from one block of memory where they are given one.
+template <class T>
+using Array = std::pmr::vector<T>;
 
 /// The light nodes of one light (section 4.1): what each point's shadow ray met. They keep no voxel
 /// history. Empty where the light casts no shadows.
 struct LightNodes {
-    bool casts_shadows = true;
-    std::vector<PathIndex> paths;  ///< by point; no_path: it needs no shadow ray of this light
-    std::vector<trace::Occlusion> occlusions;
+    bool casts_shadows;
+    Array<PathIndex> paths;  ///< by point; no_path: it needs no shadow ray of this light
+    Array<trace::Occlusion> occlusions;
+
+    explicit LightNodes(bool shadows,
+                        std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+        : casts_shadows(shadows), paths(memory), occlusions(memory) {}
 };
 
 /// A column of intensities, by point: what the point itself sends along its ray, and the same with
 /// all that joins it from its branches (the cumulative intensity of section 3.2).
 struct Column {
-    std::vector<V3f> own, cumulative;
+    Array<V3f> own, cumulative;
+
+    explicit Column(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+        : own(memory), cumulative(memory) {}
 };
 
-/// What the walk has to do at a node. A mark climbs to the root as mark_walk: the cumulative flag of
-/// section 3.2, by which everything else is left out.
+/// What the walk has to do at a node. A mark climbs to the root as mark_walk: the cumulative flag
+/// of section 3.2, by which everything else is left out.
 enum Mark : std::uint8_t {
     mark_walk = 1,   ///< this node's own intensity, or a node below it, changed: combine again
     mark_shade = 2,  ///< its surface shades otherwise: respond and spawn again
@@ -87,24 +98,36 @@ using Sizes = std::vector<std::pair<std::string_view, std::size_t>>;
 
 /// Parts of node i or point i stand at index i of their arrays.
 struct RayTrees {
-    std::vector<NodeIndex> roots;  ///< by sample of the cell
+    Array<NodeIndex> roots;  ///< by sample of the cell
 
-    std::vector<Node> nodes;
-    std::vector<PathIndex> paths;     ///< hash indices; no_path: a free node
-    std::vector<std::uint8_t> marks;  ///< 0 between updates
+    Array<Node> nodes;
+    Array<PathIndex> paths;     ///< hash indices; no_path: a free node
+    Array<std::uint8_t> marks;  ///< 0 between updates
 
-    std::vector<KeptPoint> points;
-    std::vector<HitBehind> behind;
-    std::vector<std::uint8_t> material_bits;  ///< the texture mask (section 4.2): a bit's number
-    std::vector<Column> columns;              ///< the unscaled term, then one by light
-    std::vector<LightNodes> lights;           ///< by light
+    Array<KeptPoint> points;
+    Array<HitBehind> behind;
+    Array<std::uint8_t> material_bits;  ///< the texture mask (section 4.2): a bit's number
+    /// The unscaled term, then one by light. The first is empty while it is zero everywhere.
+    std::vector<Column> columns;
+    bool emits = false;              ///< it is not
+    std::vector<LightNodes> lights;  ///< by light
 
-    std::vector<NodeIndex> free_nodes;
-    std::vector<PointIndex> free_points;
+    Array<NodeIndex> free_nodes;
+    Array<PointIndex> free_points;
     std::uint64_t shadow_rays = 0;  ///< light nodes that have a path
 
-    /// Empties everything but keeps the memory. `casts_shadows`: by light.
-    void reset(const std::vector<bool>& casts_shadows);
+    RayTrees() = default;
+    /// Empty trees under lights of which `casts_shadows` says which cast shadows.
+    RayTrees(const std::vector<bool>& casts_shadows, bool emission,
+             std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+
+    /// Fills the column of the unscaled term with zeros, from here on in use.
+    void start_emission();
+
+    /// Makes room for as many nodes and points as `like` has, and a share more; `bytes_like` is
+    /// what that draws.
+    void reserve_like(const RayTrees& like);
+    [[nodiscard]] static std::size_t bytes_like(const RayTrees& like);
 
     /// A node whose fields are unset, but for its point: none.
     NodeIndex add_node();
@@ -120,8 +143,6 @@ struct RayTrees {
     [[nodiscard]] trace::Ray ray(NodeIndex node) const {
         return {nodes[node].origin, nodes[node].direction};
     }
-    /// The visible point as the intersector gave it.
-    [[nodiscard]] trace::Hit hit(NodeIndex node) const;
     /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
     void set_hit(NodeIndex node, const trace::Hit& hit);
 

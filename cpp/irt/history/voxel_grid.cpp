@@ -104,10 +104,10 @@ void Regions::add(const VoxelSet& set, const trace::Box& bounds) {
         Enlarged enlarged{};
         for (int a = 0; a < 3; ++a) {
             const auto axis = static_cast<std::size_t>(a);
-            enlarged.lower[a] = static_cast<float>(
-                std::max<double>(box.lower[axis], bounds.lower[a]) - reach);
-            enlarged.upper[a] = static_cast<float>(
-                std::min<double>(box.upper[axis], bounds.upper[a]) + reach);
+            enlarged.lower[a] =
+                static_cast<float>(std::max<double>(box.lower[axis], bounds.lower[a]) - reach);
+            enlarged.upper[a] =
+                static_cast<float>(std::min<double>(box.upper[axis], bounds.upper[a]) + reach);
         }
         boxes_.push_back(enlarged);
     }

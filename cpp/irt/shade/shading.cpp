@@ -57,8 +57,10 @@ Shading::Shading(const Scene& scene, const Settings& settings)
       cost_limit_(static_cast<std::int64_t>(
           std::floor(-price_scale * libm::log2(settings.throughput_cutoff)))) {
     responses_.reserve(scene.materials().size());
-    for (const MaterialSlot& material : scene.materials())
+    for (const MaterialSlot& material : scene.materials()) {
         responses_.push_back(make_response(material.record, settings.mirror_roughness));
+        emits_ = emits_ || responses_.back().emission != V3d(0, 0, 0);
+    }
 }
 
 VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit) const {
@@ -70,10 +72,10 @@ VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit
             surface.geometric_normal * side};
 }
 
-FirstHit Shading::first_hit(const VisiblePoint& point, const trace::Hit& hit) const {
+FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) const {
     return {true, point.surface.position, V3f(point.shading),
             scene_.materials()[point.surface.material].record.diffuse_color,
-            scene_.objects()[hit.object].id};
+            scene_.objects()[object].id};
 }
 
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,

@@ -44,6 +44,8 @@ class Shading {
     Shading(const Scene& scene, const Settings& settings);
 
     [[nodiscard]] const Scene& scene() const { return scene_; }
+    /// Whether some material emits light.
+    [[nodiscard]] bool emits() const { return emits_; }
     [[nodiscard]] int max_depth() const { return max_depth_; }
 
     /// Of a material, by slot.
@@ -51,11 +53,12 @@ class Shading {
         return responses_[material];
     }
     [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit) const;
-    [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, const trace::Hit& hit) const;
+    [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, std::uint32_t object) const;
     /// Empty where the light adds nothing whatever is in between.
     [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
                                                           const LightSlot& light) const;
-    /// From a position (render space) to a light, of any length, but for point lights the whole way.
+    /// From a position (render space) to a light, of any length, but for point lights the whole
+    /// way.
     [[nodiscard]] static V3d towards(const V3d& position, const LightSlot& light) {
         return light.record.kind == LightKind::Distant ? -light.record.direction
                                                        : light.position_render - position;
@@ -71,6 +74,7 @@ class Shading {
   private:
     const Scene& scene_;
     int max_depth_;
+    bool emits_ = false;
     std::int64_t cost_limit_;
     std::vector<Response> responses_;  ///< by material slot
 };

@@ -2,8 +2,7 @@
 // The twin without trees: every primitive of the scene goes before the scalar judges.
 #include "irt/trace/candidate.h"
 #include "irt/trace/intersector.h"
-#include "irt/trace/judge_quadric.h"
-#include "irt/trace/judge_triangle.h"
+#include "irt/trace/judge_primitive.h"
 
 namespace irt::trace {
 namespace {
@@ -20,31 +19,13 @@ void for_each_hit(const Scene& scene, const Ray& ray, Found&& found) {
         const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
         for (std::uint32_t part = 0; part < parts; ++part) {
             const Surface& surface = object.part(part);
-            Hit hit;
-            hit.object = slot;
-            hit.part = part;
-            if (!surface.triangles) {
-                QuadricHit met;
-                if (!judge_quadric(surface.quadric, surface.shape_from_trace, local, met)) continue;
-                hit.t = met.t;
-                hit.piece = met.piece;
-                if (found(hit)) return;
-                continue;
-            }
-            const Triangles& mesh = *surface.triangles;
-            for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) {
-                const auto& v = mesh.triangles[k];
-                TriangleHit met;
-                if (!judge_triangle(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], local,
-                                    met))
-                    continue;
-                if (!(met.t > 0 && met.t < local.t_max)) continue;
-                if (mesh.mesh->single_sided && !met.front) continue;
-                hit.t = met.t;
-                hit.u = met.u;
-                hit.v = met.v;
-                hit.primitive = k;
-                if (found(hit)) return;
+            const std::size_t primitives =
+                surface.triangles ? surface.triangles->triangles.size() : 1;
+            for (std::uint32_t k = 0; k < primitives; ++k) {
+                Hit hit;
+                hit.object = slot;
+                hit.part = part;
+                if (judge_primitive(surface, k, local, hit) && found(hit)) return;
             }
         }
     }

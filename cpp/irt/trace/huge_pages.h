@@ -4,7 +4,9 @@
 
 #include <sys/mman.h>
 
+#include <cstddef>
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 namespace irt::trace {
@@ -31,5 +33,14 @@ struct HugePages {
 
     bool operator==(const HugePages&) const = default;
 };
+
+/// Memory that nothing is constructed in, from HugePages.
+struct FreeBytes {
+    void operator()(std::byte* memory) const { std::free(memory); }
+};
+using HugeBytes = std::unique_ptr<std::byte, FreeBytes>;
+inline HugeBytes huge_bytes(std::size_t count) {
+    return HugeBytes(HugePages<std::byte>().allocate(count));
+}
 
 }  // namespace irt::trace

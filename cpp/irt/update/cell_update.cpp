@@ -82,29 +82,31 @@ void CellUpdate::trace_sample(const trace::Ray& primary) {
     node.direction = primary.direction;
     node.parent = history::root_bit | sample;
     ++counts_.rays.primary;
-    trace_new(root, 0, 0);
+    trace_new(root, primary, 0, 0);
     combine();
 }
 
 // ---- detection (sections 2.3, 3.1, 4.2)
 
 void CellUpdate::keep_lights() {
-    std::vector<Column> columns(1 + lights_.size());
-    std::vector<history::LightNodes> nodes(lights_.size());
-    columns[0] = std::move(trees_.columns[0]);
+    std::vector<Column> columns;
+    std::vector<history::LightNodes> nodes;
+    columns.push_back(std::move(trees_.columns[0]));
     for (std::size_t l = 0; l < lights_.size(); ++l) {
         if (const std::optional<std::size_t> kept = plan_.kept_lights[l]) {
-            columns[1 + l] = std::move(trees_.columns[1 + *kept]);
-            nodes[l] = std::exchange(trees_.lights[*kept], {});
+            columns.push_back(std::move(trees_.columns[1 + *kept]));
+            nodes.push_back(std::move(trees_.lights[*kept]));
+            trees_.lights[*kept].paths.clear();
             continue;
         }
         const std::size_t points = trees_.points.size();
-        columns[1 + l].own.assign(points, V3f(0, 0, 0));
-        columns[1 + l].cumulative.assign(points, V3f(0, 0, 0));
-        nodes[l].casts_shadows = lights_[l].record.casts_shadows;
-        if (!nodes[l].casts_shadows) continue;
-        nodes[l].paths.assign(points, no_path);
-        nodes[l].occlusions.resize(points);
+        columns.emplace_back();
+        columns.back().own.assign(points, V3f(0, 0, 0));
+        columns.back().cumulative.assign(points, V3f(0, 0, 0));
+        nodes.emplace_back(lights_[l].record.casts_shadows);
+        if (!nodes.back().casts_shadows) continue;
+        nodes.back().paths.assign(points, no_path);
+        nodes.back().occlusions.resize(points);
     }
     for (const history::LightNodes& gone : trees_.lights)
         for (const history::PathIndex path : gone.paths) trees_.shadow_rays -= path != no_path;
@@ -117,7 +119,7 @@ void CellUpdate::detect() {
         for (NodeIndex n = 0; n < trees_.paths.size(); ++n)
             if (table_.flagged(trees_.paths[n])) lists_.flagged.push_back(n);
         for (std::uint32_t l = 0; l < lights_.size(); ++l) {
-            const std::vector<history::PathIndex>& paths = trees_.lights[l].paths;
+            const history::Array<history::PathIndex>& paths = trees_.lights[l].paths;
             for (PointIndex p = 0; p < paths.size(); ++p)
                 if (table_.flagged(paths[p])) lists_.flagged_shadows.push_back({p, l});
         }
@@ -128,7 +130,7 @@ void CellUpdate::detect() {
         const std::uint8_t bit = trees_.material_bits[p];
         if (bit == history::no_material_bit || !(plan_.material_mask >> bit & 1)) continue;
         const NodeIndex node = trees_.points[p].node;
-        const std::uint32_t object = trees_.nodes[node].object;
+        const std::uint32_t object = trees_.nodes[node].visible.object;
         if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
         if (!plan_.rebound[object] && !plan_.material_changed[material_of(node)]) continue;
         ++counts_.flagged;
@@ -137,8 +139,8 @@ void CellUpdate::detect() {
 }
 
 std::uint32_t CellUpdate::material_of(NodeIndex index) const {
-    const Node& node = trees_.nodes[index];
-    return shading_.scene().objects()[node.object].part(node.part).material;
+    const trace::HitName& visible = trees_.nodes[index].visible;
+    return shading_.scene().objects()[visible.object].part(visible.part).material;
 }
 
 // ---- tests of what is flagged (sections 2.4, 4.1)
@@ -147,7 +149,8 @@ void CellUpdate::test() {
     const std::vector<NodeIndex>& nodes = lists_.flagged;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (i + look_ahead < nodes.size()) prefetch(trees_.nodes[nodes[i + look_ahead]]);
-        if (trees_.paths[nodes[i]] != no_path) test_segment(nodes[i]);  // else it went with its root
+        if (trees_.paths[nodes[i]] != no_path)
+            test_segment(nodes[i]);  // else it went with its root
     }
     const std::vector<CellLists::LightNodeIndex>& shadows = lists_.flagged_shadows;
     for (std::size_t i = 0; i < shadows.size(); ++i) {
@@ -166,44 +169,47 @@ void CellUpdate::test() {
 }
 
 /// Recomputes a visible point from the history (section 2.4) where what changed may matter to it.
-void CellUpdate::test_segment(NodeIndex node) {
-    const trace::Ray ray = trees_.ray(node);
-    const trace::Hit was = trees_.hit(node);
-    const PointIndex point = trees_.nodes[node].point;
+void CellUpdate::test_segment(NodeIndex index) {
+    const Node& node = trees_.nodes[index];
+    const trace::Ray ray = trees_.ray(index);
     trace::QueryCounts& queries = counts_.rays.queries;
     ++counts_.tested;
-    HitBehind behind;
-    if (!was || !plan_.geometry_changed[was.object]) {
+    const bool seen = node.point != no_point;
+    if (!seen || !plan_.geometry_changed[node.visible.object]) {
         // Nothing that stayed hides it; what changed may.
-        if (!plan_.arrivals.may_meet(V3d(ray.origin), V3d(ray.direction), was.t)) return;
-        count_query(node);
-        const trace::Hit now = intersector_.nearest_moving(ray, was, queries);
-        if (same(now, was)) return;
-        if (!was || !intersector_.moves(was.object))
+        if (!plan_.arrivals.may_meet(V3d(ray.origin), V3d(ray.direction), node.t)) return;
+        count_query(index);
+        const trace::HitName was = node.visible;
+        const trace::Hit limit = trace::named_hit(shading_.scene(), ray, was);
+        const trace::Hit now = intersector_.nearest_moving(ray, limit, queries);
+        if (same(now, limit)) return;
+        HitBehind behind;
+        if (!seen || !intersector_.moves(was.object))
             behind = {was, intersector_.epoch()};
-        else if (record_holds(point))
-            behind = trees_.behind[point];
-        return replace_visible(node, now, behind);
+        else if (record_holds(node.point))
+            behind = trees_.behind[node.point];
+        return replace_visible(index, now, behind);
     }
     ++counts_.uncovered;
-    count_retraced(node);
-    count_query(node);
-    if (record_holds(point)) {
-        const HitBehind& record = trees_.behind[point];
-        const trace::Hit now = intersector_.nearest_moving(ray, record.hit, queries);
-        if (!record.hit || now.object != record.hit.object) behind = record;
-        return replace_visible(node, now, behind);
+    count_retraced(index);
+    count_query(index);
+    if (record_holds(node.point)) {
+        const HitBehind record = trees_.behind[node.point];
+        const trace::Hit now = intersector_.nearest_moving(
+            ray, trace::named_hit(shading_.scene(), ray, record.hit), queries);
+        const bool used = now && now.object == record.hit.object;
+        return replace_visible(index, now, used ? HitBehind() : record);
     }
     ++counts_.whole_scene;
-    const trace::Hit now = intersector_.nearest_and_behind(ray, behind.hit, queries);
-    behind.epoch = intersector_.epoch();
-    replace_visible(node, now, behind);
+    trace::Hit second;
+    const trace::Hit now = intersector_.nearest_and_behind(ray, second, queries);
+    replace_visible(index, now, {trace::HitName(second), intersector_.epoch()});
 }
 
 bool CellUpdate::record_holds(PointIndex point) const {
     const HitBehind& record = trees_.behind[point];
     return record.epoch == intersector_.epoch() &&
-           (!record.hit || !intersector_.moves(record.hit.object));
+           (record.hit.object == trace::none || !intersector_.moves(record.hit.object));
 }
 
 /// Gives a node another visible point; what was kept of the old one's rays goes.
@@ -251,8 +257,7 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     // so still, unless it began to stop light.
     const bool moving_clear = now.depth == trace::OpticalDepth{};
     if (!blocked && moving_clear && !plan_.tint_departed) return;
-    const bool settled =
-        now.blocker != trace::none || (clear && !plan_.still_tint_changed);
+    const bool settled = now.blocker != trace::none || (clear && !plan_.still_tint_changed);
     if (!settled) {
         ++counts_.rays.shadow;
         count_retraced(node);
@@ -293,7 +298,7 @@ void CellUpdate::walk(NodeIndex node, int depth, std::int64_t cost) {
     const std::uint8_t marks = std::exchange(trees_.marks[node], std::uint8_t{0});
     if (trees_.nodes[node].point == no_point) return;
     if (marks & (mark_shade | mark_fresh)) {
-        shade_point(node, depth, cost);
+        shade_point(node, shade_point_of(node), depth, cost);
     } else {
         for (int which = 0; which < 2; ++which) {
             const KeptPoint& point = trees_.points[trees_.nodes[node].point];
@@ -305,30 +310,28 @@ void CellUpdate::walk(NodeIndex node, int depth, std::int64_t cost) {
     lists_.combined.push_back(node);
 }
 
-/// Traces a node that has its ray, and everything below it (section 2.5).
-void CellUpdate::trace_new(NodeIndex node, int depth, std::int64_t cost) {
+/// Traces a node whose ray is `ray`, and everything below it (section 2.5). What was just written
+/// to the node is handed on, not read back: stores that are still under way would be waited for.
+void CellUpdate::trace_new(NodeIndex node, const trace::Ray& ray, int depth, std::int64_t cost) {
     count_new(node);
-    HitBehind behind;
-    const trace::Ray ray = trees_.ray(node);
-    const trace::Hit hit =
-        intersector_.nearest_and_behind(ray, behind.hit, counts_.rays.queries);
+    trace::Hit behind;
+    const trace::Hit hit = intersector_.nearest_and_behind(ray, behind, counts_.rays.queries);
     trees_.set_hit(node, hit);
     trees_.paths[node] = table_.intern(table_.grid().path(ray.origin, ray.direction, hit.t));
     if (!hit) return;
-    behind.epoch = intersector_.epoch();
-    trees_.behind[trees_.nodes[node].point] = behind;
-    shade_point(node, depth, cost);
+    trees_.behind[trees_.nodes[node].point] = {trace::HitName(behind), intersector_.epoch()};
+    shade_point(node, shading_.visible_point(ray, hit), depth, cost);
     lists_.combined.push_back(node);
 }
 
 /// Responds to the lights and spawns, as the node's visible point asks; keeps what holds of shadow
 /// rays and branches.
-void CellUpdate::shade_point(NodeIndex node, int depth, std::int64_t cost) {
+void CellUpdate::shade_point(NodeIndex node, const ShadePoint& point, int depth,
+                             std::int64_t cost) {
     const PointIndex at = trees_.nodes[node].point;
-    const ShadePoint point = shade_point_of(node);
     ++counts_.rays.shadings;
     trees_.material_bits[at] = point.surface.material % 64;
-    trees_.columns[0].own[at] = V3f(point.response.emission);
+    if (trees_.emits) trees_.columns[0].own[at] = V3f(point.response.emission);
     for (std::size_t l = 0; l < lights_.size(); ++l) respond(point, at, l);
     trees_.points[at].own_cut = no_price;
     if (depth == shading_.max_depth()) return;
@@ -398,7 +401,7 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
     fresh.direction = ray.direction;
     fresh.weight = share;
     fresh.parent = node;
-    trace_new(branch, depth + 1, below);
+    trace_new(branch, ray, depth + 1, below);
 }
 
 /// Whether a branch still has its ray, and the price of the way to it, `cost`, neither cuts what
@@ -427,27 +430,31 @@ void CellUpdate::combine_node(NodeIndex node) {
     KeptPoint& point = trees_.points[at];
     point.greatest_traced = -no_price;
     point.least_cut = point.own_cut;
-    for (Column& column : trees_.columns) column.cumulative[at] = column.own[at];
+    const Node* branches[2];
+    int count = 0;
     for (int which = 0; which < 2; ++which) {
-        const NodeIndex branch = point.branches[which];
-        if (branch == no_node) continue;
-        const Node& child = trees_.nodes[branch];
+        if (point.branches[which] == no_node) continue;
+        const Node& branch = trees_.nodes[point.branches[which]];
         const std::int32_t price = point.prices[which];
+        branches[count++] = &branch;
         point.greatest_traced = std::max(point.greatest_traced, price);
-        if (child.point == no_point) {
-            for (Column& column : trees_.columns)
-                column.cumulative[at] =
-                    shade::add_scaled(column.cumulative[at], child.weight, V3f(0, 0, 0));
-            continue;
-        }
-        const KeptPoint& below = trees_.points[child.point];
+        if (branch.point == no_point) continue;
+        const KeptPoint& below = trees_.points[branch.point];
         if (below.greatest_traced != -no_price)
             point.greatest_traced = std::max(point.greatest_traced, price + below.greatest_traced);
         if (below.least_cut != no_price)
             point.least_cut = std::min(point.least_cut, price + below.least_cut);
-        for (Column& column : trees_.columns)
-            column.cumulative[at] = shade::add_scaled(column.cumulative[at], child.weight,
-                                                      column.cumulative[child.point]);
+    }
+    for (std::size_t c = trees_.emits ? 0 : 1; c < trees_.columns.size(); ++c) {
+        Column& column = trees_.columns[c];
+        V3f sum = column.own[at];
+        for (int b = 0; b < count; ++b) {
+            const V3f below = branches[b]->point == no_point
+                                  ? V3f(0, 0, 0)
+                                  : column.cumulative[branches[b]->point];
+            sum = shade::add_scaled(sum, branches[b]->weight, below);
+        }
+        column.cumulative[at] = sum;
     }
 }
 
@@ -485,7 +492,7 @@ void CellUpdate::count_query(NodeIndex node) {
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const PointIndex at = trees_.nodes[trees_.roots[sample]].point;
     if (at == no_point) return {0, 0, 0};
-    V3d sum(trees_.columns[0].cumulative[at]);
+    V3d sum(trees_.emits ? trees_.columns[0].cumulative[at] : V3f(0, 0, 0));
     for (std::size_t l = 0; l < lights_.size(); ++l)
         sum += V3d(lights_[l].record.energy) * V3d(trees_.columns[1 + l].cumulative[at]);
     return V3f(sum);
@@ -495,8 +502,9 @@ shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface)
     NodeIndex node = trees_.roots[sample];
     while (node != no_node && trees_.nodes[node].point != no_point) {
         if (!shading_.response(material_of(node)).invisible)
-            return surface ? shading_.first_hit(shade_point_of(node), trees_.hit(node))
-                           : shade::FirstHit{true};
+            return surface
+                       ? shading_.first_hit(shade_point_of(node), trees_.nodes[node].visible.object)
+                       : shade::FirstHit{true};
         node = trees_.points[trees_.nodes[node].point].branches[1];
     }
     return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The update of one cell (paper, sections 2 to 4): detect what may have changed, test it, shade what
-// did, combine upward along the walked paths. The initial step is the same code over empty trees.
+// The update of one cell (paper, sections 2 to 4): detect what may have changed, test it, shade
+// what did, combine upward along the walked paths. The initial step is the same code over empty
+// trees.
 #pragma once
 
 #include <cstdint>
@@ -86,9 +87,9 @@ class CellUpdate {
     void replace_visible(NodeIndex node, const trace::Hit& hit, const history::HitBehind& behind);
     void light_new_lights();
 
-    void trace_new(NodeIndex node, int depth, std::int64_t cost);
+    void trace_new(NodeIndex node, const trace::Ray& ray, int depth, std::int64_t cost);
     void walk(NodeIndex node, int depth, std::int64_t cost);
-    void shade_point(NodeIndex node, int depth, std::int64_t cost);
+    void shade_point(NodeIndex node, const ShadePoint& point, int depth, std::int64_t cost);
     void respond(const ShadePoint& point, PointIndex at, std::size_t light);
     void trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t light);
     void settle_branch(NodeIndex node, int which, const ShadePoint& point, const V3d& direction,
@@ -102,7 +103,9 @@ class CellUpdate {
     void count_new(NodeIndex node);
     void count_query(NodeIndex node);
     [[nodiscard]] ShadePoint shade_point_of(NodeIndex node) const {
-        return shading_.visible_point(trees_.ray(node), trees_.hit(node));
+        const trace::Ray ray = trees_.ray(node);
+        return shading_.visible_point(
+            ray, trace::named_hit(shading_.scene(), ray, trees_.nodes[node].visible));
     }
     [[nodiscard]] std::uint32_t material_of(NodeIndex node) const;
 

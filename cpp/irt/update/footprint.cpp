@@ -32,8 +32,8 @@ Range range(double lower, double upper, VoxelSet& voxels) {
             static_cast<std::int32_t>(std::clamp(upper, -1.0, most))};
 }
 
-/// A convex polygon of few corners: a triangle clipped by up to four planes has at most 7; rounding may
-/// give it a few more.
+/// A convex polygon of few corners: a triangle clipped by up to four planes has at most 7; rounding
+/// may give it a few more.
 struct Polygon {
     std::array<V3d, 12> corners = filled(V3d(0));
     std::size_t count = 0;
@@ -53,8 +53,8 @@ struct Polygon {
     }
 };
 
-/// The part of `polygon` where side * coordinate <= side * plane (Sutherland and Hodgman, "Reentrant
-/// Polygon Clipping", CACM 17(1), 1974).
+/// The part of `polygon` where side * coordinate <= side * plane (Sutherland and Hodgman,
+/// "Reentrant Polygon Clipping", CACM 17(1), 1974).
 Polygon clipped(const Polygon& polygon, int axis, double plane, double side) {
     Polygon out;
     for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -136,9 +136,9 @@ void add_box(const OrientedBox& box, VoxelSet& voxels) {
     double reaches[3];
     for (int n = 0; n < 3; ++n) {
         normals[n] = box.axes[(n + 1) % 3].cross(box.axes[(n + 2) % 3]);
-        const double of_voxel = (0.5 + dilation) * (std::fabs(normals[n].x) +
-                                                    std::fabs(normals[n].y) +
-                                                    std::fabs(normals[n].z));
+        const double of_voxel =
+            (0.5 + dilation) *
+            (std::fabs(normals[n].x) + std::fabs(normals[n].y) + std::fabs(normals[n].z));
         reaches[n] = box.reach(normals[n]) + of_voxel;
     }
     for (std::int32_t k = along[2].first; k <= along[2].last; ++k)

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// One primitive before its scalar judge. A hit is a pure function of ray and primitive (DESIGN 3,
+// rule 1), so that what is kept of it need not be more than its name.
+#pragma once
+
+#include "irt/scene/scene.h"
+#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_triangle.h"
+#include "irt/trace/ray.h"
+
+namespace irt::trace {
+
+/// Judges triangle `primitive` of `surface`, or its quadric; true where `ray`, in the surface's
+/// trace space, meets it within its limits. Fills t, u, v, primitive and piece of `hit`.
+inline bool judge_primitive(const Surface& surface, std::uint32_t primitive, const JudgeRay& ray,
+                            Hit& hit) {
+    if (!surface.triangles) {
+        QuadricHit met;
+        if (!judge_quadric(surface.quadric, surface.shape_from_trace, ray, met)) return false;
+        hit.t = met.t;
+        hit.piece = met.piece;
+        return true;
+    }
+    const Triangles& mesh = *surface.triangles;
+    const auto& v = mesh.triangles[primitive];
+    TriangleHit met;
+    if (!judge_triangle(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], ray, met))
+        return false;
+    if (!(met.t > 0 && met.t < ray.t_max) || (mesh.mesh->single_sided && !met.front)) return false;
+    hit.t = met.t;
+    hit.u = met.u;
+    hit.v = met.v;
+    hit.primitive = primitive;
+    return true;
+}
+
+/// The name of a hit; `object` is `none` where there is none.
+struct HitName {
+    std::uint32_t object = none, part = 0, primitive = 0;
+
+    HitName() = default;
+    explicit HitName(const Hit& hit)
+        : object(hit.object), part(hit.part), primitive(hit.primitive) {}
+};
+
+/// The hit of that name, as any query along `ray` gave it. Its object must not have changed since.
+inline Hit named_hit(const Scene& scene, const Ray& ray, const HitName& name) {
+    Hit hit;
+    if (name.object == none) return hit;
+    const ObjectSlot& object = scene.objects()[name.object];
+    const JudgeRay world = judge_ray(ray);
+    hit.object = name.object;
+    hit.part = name.part;
+    judge_primitive(object.part(name.part), name.primitive,
+                    object.prototype ? transform_ray(object.prototype_from_render, world) : world,
+                    hit);
+    return hit;
+}
+
+}  // namespace irt::trace
