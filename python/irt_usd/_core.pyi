@@ -160,9 +160,12 @@ class Renderer:
         """Applies `changes` (and a changed camera), renders what they require, and returns the
         update's statistics: `restart` (why the update was a full trace; None if it was none, or the
         first), `rays` traced {primary, reflected, refracted, shadow}, `all_rays` the film is made
-        of, `flagged_rays`, `tested_rays`, `retraced_rays`, `changed_rays`, `new_rays`,
-        `whole_scene_rays`, `nodes_traversed`, `intersections`, `shadings`, `history_bytes`,
-        `seconds` {apply, bvh, trace, total}, `cells` {rays: [64]}.
+        of, `flagged_rays`, `tested_rays`, `retraced_rays`, `changed_rays`, `new_rays` (of the ray
+        trees: shadow rays are not counted), `uncovered_rays` (whose visible object changed),
+        `whole_scene_rays` (of those: for which the whole scene was searched), `nodes_traversed`,
+        `intersections`, `shadings`, `history` {nodes, points, all_bytes, bytes: by kind},
+        `seconds` by the clock {apply, bvh, plan, trace, total}, `cells` {rays: [64], seconds: [64],
+        phases: seconds of all threads {detect, test, shade, combine, write}}.
 
         Polls signals. `on_progress` gets the share done, at most 20 times a second; what it raises
         stops a full trace, and the last whole film stays. An incremental update runs to its end.

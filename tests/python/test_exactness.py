@@ -245,3 +245,15 @@ def test_floating_point_state_of_the_host_neither_shows_nor_is_lost() -> None:
         for mode in ("plain", "hostile")
     }
     assert len(outputs) == 1
+
+
+def test_a_tint_that_changes_as_its_object_goes() -> None:
+    """What the object let through is not what its material now says."""
+    state = scenes.glass_before_floor()
+    renderer = scenes.renderer()
+    renderer.update(state.fresh())
+    dark = _core.Material(diffuse_color=(0, 0, 0), opacity=0.0, roughness=0.0, ior=1.0)
+    renderer.update(state.apply([("remove", "/b"), ("material", "/glass", dark)]))
+    judge = scenes.renderer(history=False)
+    judge.update(state.fresh())
+    assert scenes.film_bits(renderer) == scenes.film_bits(judge)

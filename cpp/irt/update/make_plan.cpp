@@ -83,6 +83,7 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     plan.rebound.resize(scene.objects().size());
     plan.material_changed.resize(scene.materials().size());
     const double slack = intersector.pad();
+    plan.tint_departed = !applied.tints.empty() || !applied.retinted.empty();
     Footprints footprints(grid, applied.geometry.size() + applied.previous.size());
 
     for (const std::uint32_t slot : applied.geometry) {
@@ -100,7 +101,6 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     tinted.insert(tinted.end(), applied.retinted.begin(), applied.retinted.end());
     for (const std::uint32_t slot : tinted) {
         plan.tint_changed[slot] = true;
-        plan.tint_departed = true;
         if (plan.geometry_changed[slot]) continue;
         plan.still_tint_changed = true;
         plan.arrivals.add(intersector.box(slot), slack);

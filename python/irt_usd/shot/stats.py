@@ -63,7 +63,7 @@ class FrameStats:
             "nodes_traversed": self.update["nodes_traversed"],
             "intersections": self.update["intersections"],
             "shadings": self.update["shadings"],
-            "history": self.update["history"],
+            "history_size": self.update["history"],
             "non_finite_pixels": self.non_finite_pixels,
             "seconds": {phase: round(self.seconds.get(phase, 0.0), 6) for phase in PHASES},
             "cells": self.update["cells"],
