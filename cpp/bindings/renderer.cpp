@@ -35,6 +35,7 @@ ViewSettings make_settings(int width, int height, int samples, int max_depth,
 std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings& settings,
                                         const std::optional<std::array<double, 3>>& render_origin,
                                         const std::string& isa, int threads, bool history,
+                                        bool cost_model,
                                         const std::optional<cells::CellOrder>& cell_order) {
     RendererOptions options;
     const M44d& m = camera.world_from_camera;
@@ -42,6 +43,7 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
     options.isa = isa;
     options.threads = threads;
     options.history = history;
+    options.cost_model = cost_model;
     if (cell_order) {
         std::array<bool, cells::cell_count> seen{};
         for (const int cell : *cell_order) {
@@ -57,19 +59,21 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
 /// Of the cells of an update: counts summed, seconds of all threads together.
 py::dict statistics(const UpdateReport& report) {
     update::UpdateCounts sum;
-    CellReport seconds;
+    CellReport all;
     py::list cell_rays, cell_seconds;
     for (const CellReport& cell : report.cells) {
         sum += cell.counts;
-        seconds.detect += cell.detect;
-        seconds.test += cell.test;
-        seconds.shade += cell.shade;
-        seconds.combine += cell.combine;
-        seconds.write += cell.write;
+        all.detect += cell.detect;
+        all.trace += cell.trace;
+        all.shade += cell.shade;
+        all.combine += cell.combine;
+        all.film += cell.film;
         cell_rays.append(cell.counts.rays.rays());
-        cell_seconds.append(cell.detect + cell.test + cell.shade + cell.combine + cell.write +
-                            cell.trace);
+        cell_seconds.append(cell.detect + cell.trace + cell.shade + cell.combine + cell.film);
     }
+    // Phases that run on all threads share the time by the clock as they share the processors.
+    const double processor = all.detect + all.trace + all.shade + all.combine + all.film;
+    const double clock = processor > 0 ? report.trace_seconds / processor : 0;
     const shade::Counts& rays = sum.rays;
     const HistorySize& history = report.history;
     using py::literals::operator""_a;
@@ -89,24 +93,23 @@ py::dict statistics(const UpdateReport& report) {
         "history"_a = py::dict("nodes"_a = history.nodes, "points"_a = history.points,
                                "all_bytes"_a = history.all_bytes(), "bytes"_a = bytes),
         "seconds"_a = py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
-                               "plan"_a = report.plan_seconds, "trace"_a = report.trace_seconds,
+                               "detect"_a = report.plan_seconds + clock * all.detect,
+                               "trace"_a = clock * all.trace, "shade"_a = clock * all.shade,
+                               "combine"_a = clock * all.combine, "film"_a = clock * all.film,
                                "total"_a = report.apply_seconds + report.bvh_seconds +
                                            report.plan_seconds + report.trace_seconds),
-        "cells"_a =
-            py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds,
-                     "phases"_a = py::dict("detect"_a = seconds.detect, "test"_a = seconds.test,
-                                           "shade"_a = seconds.shade, "combine"_a = seconds.combine,
-                                           "write"_a = seconds.write)));
+        "cells"_a = py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds));
 }
 
 /// Runs the update beside the interpreter's thread, which goes on to poll signals and report.
 UpdateReport run_update(Renderer& renderer, const ChangeSet& changes,
-                        const std::optional<Camera>& camera,
+                        const std::optional<Camera>& camera, bool keep_history,
                         const std::optional<Progress>& progress) {
     constexpr std::chrono::milliseconds poll{50};
     cells::Control control;
-    auto running =
-        std::async(std::launch::async, [&] { return renderer.update(changes, camera, control); });
+    auto running = std::async(std::launch::async, [&] {
+        return renderer.update(changes, camera, keep_history, control);
+    });
     bool interrupted = false;
     for (auto state = std::future_status::timeout; state != std::future_status::ready;) {
         if (!interrupted) {
@@ -143,6 +146,7 @@ py::array aov_array(const py::object& self, const std::string& name) {
     const film::Aov aov = aov_or_throw(name);
     if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
     const py::ssize_t height = film.height(), width = film.width();
+    if (aov == film::Aov::Retraced) return film_array(self, film.retraced(), {height, width});
     if (aov == film::Aov::Depth) return film_array(self, film.depth(), {height, width});
     if (aov == film::Aov::ObjectId) return film_array(self, film.object_id(), {height, width});
     return film_array(self, &film.vectors(aov)->x, {height, width, 3});
@@ -178,14 +182,16 @@ void bind_renderer(py::module_& module) {
     py::class_<Renderer>(module, "Renderer")
         .def(py::init(&make_renderer), py::arg("camera"), py::arg("settings"), py::kw_only(),
              py::arg("render_origin") = py::none(), py::arg("isa") = "avx2", py::arg("threads") = 0,
-             py::arg("history") = true, py::arg("cell_order") = py::none())
+             py::arg("history") = true, py::arg("cost_model") = true,
+             py::arg("cell_order") = py::none())
         .def(
             "update",
             [](Renderer& renderer, const ChangeSet& changes, const std::optional<Camera>& camera,
-               const std::optional<Progress>& progress) {
-                return statistics(run_update(renderer, changes, camera, progress));
+               const std::optional<Progress>& progress, bool keep_history) {
+                return statistics(run_update(renderer, changes, camera, keep_history, progress));
             },
-            py::arg("changes"), py::arg("camera") = py::none(), py::arg("on_progress") = py::none())
+            py::arg("changes"), py::arg("camera") = py::none(), py::arg("on_progress") = py::none(),
+            py::kw_only(), py::arg("keep_history") = true)
         .def("beauty",
              [](const py::object& self) {
                  const film::Film& film = self.cast<const Renderer&>().film();

@@ -39,7 +39,7 @@ Renderer::Renderer(const FloatState& /*while_constructing*/, const Camera& camer
       view_(camera, settings, options.render_origin) {}
 
 UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Camera>& camera,
-                              cells::Control& control) {
+                              bool keep_history, cells::Control& control) {
     const FloatState ieee;
     const Exclusive exclusive(updating_);
     UpdateReport report;
@@ -68,15 +68,24 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
         const update::Plan plan =
             update::make_plan(scene_, intersector_, view_.grid(), applied, old_boxes, old_lights);
         report.plan_seconds = watch.lap();
-        view_.update(scene_, intersector_, plan, options_.threads, options_.cell_order,
-                     report.cells);
-        film_is_current_ = true;
-    } else {
-        if (!first)
-            report.restart = camera_changed ? "camera changed"
-                             : !was_current ? "the last update did not end"
-                                            : "no history is kept";
-        film_is_current_ = (view_.*(options_.history ? &View::trace_and_record : &View::trace_all))(
+        film_is_current_ = view_.update(scene_, intersector_, plan, options_.threads,
+                                        options_.cell_order, options_.cost_model, report.cells);
+        if (film_is_current_) {
+            backoff_.update_paid();
+        } else {
+            backoff_.update_failed();
+            report.restart = "cost: a full trace is cheaper than this update";
+            report.cells = {};
+        }
+    } else if (!first) {
+        report.restart = camera_changed      ? "camera changed"
+                         : !was_current      ? "the last update did not end"
+                         : !options_.history ? "no history is kept"
+                                             : "cost: no history was recorded";
+    }
+    if (!film_is_current_) {
+        const bool record = options_.history && keep_history && backoff_.record();
+        film_is_current_ = (view_.*(record ? &View::trace_and_record : &View::trace_all))(
             scene_, intersector_, options_.threads, options_.cell_order, control, report.cells);
         report.stopped = !film_is_current_;
     }

@@ -10,6 +10,7 @@
 #include "irt/math/float_state.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/intersector.h"
+#include "irt/update/cost_model.h"
 #include "irt/view.h"
 
 namespace irt {
@@ -19,6 +20,8 @@ struct RendererOptions {
     std::string isa = "avx2";
     int threads = 0;      ///< 0: all of the machine
     bool history = true;  ///< false: every update that changes anything is a full trace
+    /// Full traces take the place of updates that would cost more; false: never.
+    bool cost_model = true;
     cells::CellOrder cell_order = cells::natural_order();
 };
 
@@ -41,9 +44,10 @@ class Renderer {
     /// Applies `changes` and `camera` and brings the film up to them. An update that changes
     /// nothing traces nothing. Throws std::invalid_argument on records that cannot be rendered;
     /// nothing is then applied. A stopped update leaves the last whole film; the next one makes up
-    /// for it. Throws std::logic_error if called while an update runs.
+    /// for it. `keep_history` false: a full trace records nothing, for the caller knows that the
+    /// next update could not use it. Throws std::logic_error if called while an update runs.
     UpdateReport update(const ChangeSet& changes, const std::optional<Camera>& camera,
-                        cells::Control& control);
+                        bool keep_history, cells::Control& control);
 
     [[nodiscard]] const film::Film& film() const { return view_.film(); }
     [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y) const;
@@ -58,6 +62,7 @@ class Renderer {
     View view_;
     std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
     bool film_is_current_ = false;
+    update::Backoff backoff_;
     std::atomic<bool> updating_ = false;
     std::uint64_t film_rays_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "irt/math/stopwatch.h"
 #include "irt/scene/compile.h"
 #include "irt/trace/brute_force.h"
+#include "irt/update/cost_model.h"
 
 namespace irt {
 
@@ -129,7 +131,7 @@ film::PixelValue View::pixel(Sample&& sample) const {
         shade::FirstHit first;
         sum += V3d(sample(s, first));
         covered += first.hit;
-        if (s > 0 || !first.hit || !film_.has_aovs()) continue;
+        if (s > 0 || !first.hit || !film_.shows_surfaces()) continue;
         value.depth = static_cast<float>(-transform_point(camera_from_render_, first.position).z);
         value.normal = first.shading_normal;
         value.position = V3f(first.position + render_origin_);
@@ -145,7 +147,7 @@ template <class Source>
 film::PixelValue View::traced_pixel(const shade::Whitted<Source>& whitted, int x, int y,
                                     shade::Scratch& scratch) const {
     return pixel([&](int s, shade::FirstHit& first) {
-        scratch.surface_wanted = s == 0 && film_.has_aovs();
+        scratch.surface_wanted = s == 0 && film_.shows_surfaces();
         const V3f beauty = whitted.sample(primary_ray(x, y, s), scratch);
         first = scratch.first;
         return beauty;
@@ -156,7 +158,7 @@ film::PixelValue View::recorded_pixel(const update::CellUpdate& cell,
                                       history::SampleIndex first_sample) const {
     return pixel([&](int s, shade::FirstHit& first) {
         const history::SampleIndex sample = first_sample + static_cast<history::SampleIndex>(s);
-        first = cell.first_hit(sample, s == 0 && film_.has_aovs());
+        first = cell.first_hit(sample, s == 0 && film_.shows_surfaces());
         return cell.radiance(sample);
     });
 }
@@ -179,6 +181,7 @@ bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, 
         for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
             scratch.counts = {};
             back_.set(x, y, traced_pixel(whitted, x, y, scratch));
+            if (back_.has(film::Aov::Retraced)) back_.set_retraced(x, y, scratch.counts.rays());
             reports[cell].counts.rays += scratch.counts;
         });
     });
@@ -246,8 +249,11 @@ void View::record_group(cells::CellGroup group, cells::Control& control,
                         const std::vector<bool>& casts_shadows, bool emits) {
     const auto record = [&](std::size_t cell, int x, int y) {
         const auto first = static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
+        const std::uint64_t before = cells[cell].counts().retraced;
         for (int s = 0; s < settings_.samples; ++s) cells[cell].trace_sample(primary_ray(x, y, s));
         back_.set(x, y, recorded_pixel(cells[cell], first));
+        if (back_.has(film::Aov::Retraced))
+            back_.set_retraced(x, y, cells[cell].counts().retraced - before);
     };
     const auto trees = [&](int cell) -> history::RayTrees& {
         return history_->cells[static_cast<std::size_t>(cell)];
@@ -269,46 +275,83 @@ void View::record_group(cells::CellGroup group, cells::Control& control,
     for_each_pixel(settings_, others, control, record);
 }
 
-void View::update(const Scene& scene, const trace::Intersector& intersector,
+bool View::update(const Scene& scene, const trace::Intersector& intersector,
                   const update::Plan& plan, int threads, const cells::CellOrder& order,
-                  CellReports& reports) {
-    history::PathTable& table = history_->table;
-    if (!plan.regions.empty()) {
-        table.clear_flags();
-        const auto blocks = static_cast<int>(table.capacity() / history::PathTable::flag_block);
-        cells::for_each_range(threads, blocks, [&](int begin, int end) {
-            constexpr std::size_t block = history::PathTable::flag_block;
-            table.flag(plan.regions, static_cast<std::size_t>(begin) * block,
-                       static_cast<std::size_t>(end) * block);
-        });
-    }
+                  bool cost_model, CellReports& reports) {
+    if (!plan.regions.empty()) flag_paths(plan, threads);
     const shade::Shading shading(scene, settings_.shade);
-    cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
-        const auto k = static_cast<std::size_t>(group.front());
-        update_cell(k, shading, intersector, plan, reports[k]);
+    std::vector<update::CellUpdate> cells;
+    cells.reserve(cells::cell_count);
+    for (std::size_t k = 0; k < cells::cell_count; ++k) {
+        if (film_.has(film::Aov::Retraced))
+            history_->lists[k].retraced.resize(history_->cells[k].roots.size());
+        cells.emplace_back(shading, intersector, plan, history_->table, history_->cells[k],
+                           history_->lists[k]);
+    }
+    const auto each_cell = [&](auto&& body) {
+        cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
+            Stopwatch watch;
+            body(static_cast<std::size_t>(group.front()), watch);
+        });
+    };
+    each_cell([&](std::size_t k, Stopwatch& watch) {
+        if (plan.lights_differ) cells[k].keep_lights();
+        if (shading.emits() && !history_->cells[k].emits) history_->cells[k].start_emission();
+        cells[k].detect();
+        reports[k].detect = watch.lap();
     });
+
+    // All cells hold alike, so that one tells what all will cost (paper, section 5).
+    const auto pilot = static_cast<std::size_t>(order.front());
+    std::uint64_t flagged = 0, rays = 0;
+    for (std::size_t k = 0; k < cells::cell_count; ++k) {
+        flagged += cells[k].counts().flagged;
+        rays += history_->cells[k].rays();
+    }
+    const bool piloted =
+        cost_model && (plan.lights_moved || static_cast<double>(flagged) >
+                                                update::least_flagged * static_cast<double>(rays));
+    if (piloted) {
+        run(cells[pilot], reports[pilot]);
+        if (update::work(cells[pilot].counts()) >
+            update::most_work * static_cast<double>(history_->cells[pilot].rays())) {
+            has_history_ = false;
+            return false;
+        }
+    }
+    if (film_.has(film::Aov::Retraced)) film_.clear_retraced();
+    each_cell([&](std::size_t k, Stopwatch& watch) {
+        if (!(piloted && k == pilot)) run(cells[k], reports[k]);
+        watch.lap();
+        // Where lights moved, every sample that sees anything was walked.
+        write_pixels(k, cells[k], plan.lights_differ && !plan.lights_moved);
+        reports[k].film = watch.lap();
+        reports[k].counts = cells[k].counts();
+    });
+    return true;
 }
 
-void View::update_cell(std::size_t k, const shade::Shading& shading,
-                       const trace::Intersector& intersector, const update::Plan& plan,
-                       CellReport& report) {
+/// Flags the voxels' paths, on all threads.
+void View::flag_paths(const update::Plan& plan, int threads) {
+    constexpr std::size_t block = history::PathTable::flag_block;
+    history::PathTable& table = history_->table;
+    table.clear_flags();
+    cells::for_each_range(threads, static_cast<int>(table.capacity() / block),
+                          [&](int begin, int end) {
+                              table.flag(plan.regions, static_cast<std::size_t>(begin) * block,
+                                         static_cast<std::size_t>(end) * block);
+                          });
+}
+
+/// What follows detection in a cell, but for the film.
+void View::run(update::CellUpdate& cell, CellReport& report) {
     Stopwatch watch;
-    update::CellUpdate cell(shading, intersector, plan, history_->table, history_->cells[k],
-                            history_->lists[k]);
-    if (plan.lights_differ) cell.keep_lights();
-    if (shading.emits() && !history_->cells[k].emits) history_->cells[k].start_emission();
-    cell.detect();
-    report.detect = watch.lap();
     cell.test();
-    report.test = watch.lap();
+    report.trace = watch.lap();
     cell.shade();
     report.shade = watch.lap();
     cell.combine();
     report.combine = watch.lap();
-    // Where lights moved, every sample that sees anything was walked.
-    write_pixels(k, cell, plan.lights_differ && !plan.lights_moved);
-    report.write = watch.lap();
-    report.counts = cell.counts();
 }
 
 /// Writes the pixels of cell `k` whose samples were walked; `all_colors`: of all others the colour.
@@ -334,6 +377,13 @@ void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_
         if (std::exchange(written, first) == first) continue;  // samples of a pixel come in a row
         const auto [x, y] = pixel_of(first);
         film_.set(x, y, recorded_pixel(cell, first));
+    }
+    const std::vector<std::uint32_t>& retraced = history_->lists[k].retraced;
+    for (history::SampleIndex first = 0; first < retraced.size(); first += samples) {
+        const std::uint32_t rays =
+            std::accumulate(&retraced[first], &retraced[first] + samples, 0u);
+        const auto [x, y] = pixel_of(first);
+        if (rays > 0) film_.set_retraced(x, y, rays);
     }
 }
 

@@ -32,7 +32,7 @@ struct ViewSettings {
 /// those of its task, which is one cell's only where every cell is a task of its own.
 struct CellReport {
     update::UpdateCounts counts;
-    double detect = 0, test = 0, shade = 0, combine = 0, write = 0, trace = 0;
+    double detect = 0, trace = 0, shade = 0, combine = 0, film = 0;
 };
 using CellReports = std::array<CellReport, cells::cell_count>;
 
@@ -65,9 +65,10 @@ class View {
                           CellReports& reports);
 
     /// Brings film and history up to `plan` (the paper's incremental update step). Needs a history;
-    /// runs to its end.
-    void update(const Scene& scene, const trace::Intersector& intersector, const update::Plan& plan,
-                int threads, const cells::CellOrder& order, CellReports& reports);
+    /// runs to its end. False where `cost_model` finds a full trace cheaper: then the film stands,
+    /// and the history is lost.
+    bool update(const Scene& scene, const trace::Intersector& intersector, const update::Plan& plan,
+                int threads, const cells::CellOrder& order, bool cost_model, CellReports& reports);
 
     [[nodiscard]] bool has_history() const { return has_history_; }
     /// What the history holds, cells and table together.
@@ -115,9 +116,8 @@ class View {
     film::PixelValue recorded_pixel(const update::CellUpdate& cell,
                                     history::SampleIndex first) const;
     V3f recorded_color(const update::CellUpdate& cell, history::SampleIndex first) const;
-    void update_cell(std::size_t k, const shade::Shading& shading,
-                     const trace::Intersector& intersector, const update::Plan& plan,
-                     CellReport& report);
+    void flag_paths(const update::Plan& plan, int threads);
+    static void run(update::CellUpdate& cell, CellReport& report);
     void write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors);
 
     Camera camera_;

@@ -146,16 +146,20 @@ class Renderer:
         isa: str = "avx2",
         threads: int = 0,
         history: bool = True,
+        cost_model: bool = True,
         cell_order: Sequence[int] | None = None,
     ) -> None:
         """`render_origin` (world) defaults to the camera's position. `threads` 0: all.
         `history` False: nothing is kept of rays, and every update that changes anything is a full
-        trace. `cell_order`: a permutation of range(64), for tests."""
+        trace. `cost_model` False: updates are never given up for full traces that would cost less.
+        `cell_order`: a permutation of range(64), for tests."""
     def update(
         self,
         changes: ChangeSet,
         camera: Camera | None = None,
         on_progress: Callable[[float], None] | None = None,
+        *,
+        keep_history: bool = True,
     ) -> dict[str, Any]:
         """Applies `changes` (and a changed camera), renders what they require, and returns the
         update's statistics: `restart` (why the update was a full trace; None if it was none, or the
@@ -164,9 +168,11 @@ class Renderer:
         trees: shadow rays are not counted), `uncovered_rays` (whose visible object changed),
         `whole_scene_rays` (of those: for which the whole scene was searched), `nodes_traversed`,
         `intersections`, `shadings`, `history` {nodes, points, all_bytes, bytes: by kind},
-        `seconds` by the clock {apply, bvh, plan, trace, total}, `cells` {rays: [64], seconds: [64],
-        phases: seconds of all threads {detect, test, shade, combine, write}}.
+        `seconds` by the clock {apply, bvh, detect, trace, shade, combine, film, total} (phases that
+        run on all threads share the time as they share the processors; of a full trace all is
+        trace), `cells` {rays: [64], seconds of their threads: [64]}.
 
+        `keep_history` False: a full trace records nothing, for the next update could not use it.
         Polls signals. `on_progress` gets the share done, at most 20 times a second; what it raises
         stops a full trace, and the last whole film stays. An incremental update runs to its end.
         Raises RuntimeError when called while an update runs."""

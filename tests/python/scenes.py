@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from irt_usd import _core
 
-AOVS = tuple(_core.AOVS)
+AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
 NAMES = ("/a", "/b", "/c", "/d", "/e")
 MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
 
@@ -192,9 +192,11 @@ def floor(height: float = 0.0) -> np.ndarray:
 
 def renderer(width: int = 24, height: int = 20, **options: Any) -> _core.Renderer:
     """A renderer whose camera looks down -z from the origin, all AOVs on."""
+    options.setdefault("cost_model", False)
     samples = options.pop("samples", 1)
     camera = _core.Camera(np.eye(4), (-0.6, 0.6, -0.5, 0.5))
-    settings = _core.ViewSettings(width, height, samples=samples, max_depth=5, aovs=AOVS)
+    aovs = options.pop("aovs", AOVS)
+    settings = _core.ViewSettings(width, height, samples=samples, max_depth=5, aovs=aovs)
     return _core.Renderer(camera, settings, **options)
 
 

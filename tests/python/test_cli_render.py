@@ -84,7 +84,11 @@ def test_statistics(shot: str, tmp_path: Path) -> None:
     assert [frame["frame"] for frame in frames] == [1, 2, 3, 4]
     assert frames[0]["restart"] is None
     for frame in frames:
-        assert set(frame["seconds"]) == {"usd", "diff", "apply", "bvh", "trace", "write", "total"}
+        assert set(frame["seconds"]) == {
+            "usd", "diff", "apply", "bvh", "detect", "trace", "shade", "combine", "film", "write",
+            "total",
+        }  # fmt: skip
+        assert set(frame["cells"]["spread"]) == {"rays", "seconds"}
         assert set(frame["rays"]) == {"primary", "reflected", "refracted", "shadow"}
         assert len(frame["cells"]["rays"]) == 64
         assert frame["file"].endswith(f"b.{frame['frame']:04d}.exr")

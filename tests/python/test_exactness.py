@@ -257,3 +257,20 @@ def test_a_tint_that_changes_as_its_object_goes() -> None:
     judge = scenes.renderer(history=False)
     judge.update(state.fresh())
     assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+
+
+def test_retraced_rays_are_told_by_pixel() -> None:
+    state = scenes.glass_before_floor()
+    films = {}
+    for threads in (1, 2):
+        renderer = scenes.renderer(40, 30, samples=4, threads=threads, aovs=("irt.retraced",))
+        counts = []
+        for edits in ([], [("move", "/a", scenes.floor(1.2))], []):
+            done = renderer.update(state.apply(edits) if edits else state.fresh())
+            rays = renderer.aov("irt.retraced")
+            if done["retraced_rays"] or not counts:
+                assert rays.sum() == done["retraced_rays"]
+            counts.append(rays.tobytes())
+        films[threads] = counts
+        state = scenes.glass_before_floor()
+    assert films[1] == films[2]

@@ -12,7 +12,10 @@ std::optional<Aov> aov_named(std::string_view name) {
 }
 
 Film::Film(int width, int height, const std::vector<Aov>& aovs)
-    : width_(width), height_(height), has_aovs_(!aovs.empty()) {
+    : width_(width),
+      height_(height),
+      shows_surfaces_(
+          std::any_of(aovs.begin(), aovs.end(), [](Aov aov) { return aov != Aov::Retraced; })) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     for (const Aov aov : aovs) has_[static_cast<std::size_t>(aov)] = true;
     beauty_.resize(pixels * 4);
@@ -21,19 +24,27 @@ Film::Film(int width, int height, const std::vector<Aov>& aovs)
     if (has(Aov::Position)) position_.resize(pixels, V3f(0, 0, 0));
     if (has(Aov::Albedo)) albedo_.resize(pixels, V3f(0, 0, 0));
     if (has(Aov::ObjectId)) object_id_.resize(pixels);
+    if (has(Aov::Retraced)) retraced_.resize(pixels);
 }
 
 void Film::set(int x, int y, const PixelValue& value) {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                           static_cast<std::size_t>(x);
     std::copy(std::begin(value.rgba), std::end(value.rgba), &beauty_[4 * i]);
-    if (!has_aovs_) return;
+    if (!shows_surfaces_) return;
     if (has(Aov::Depth)) depth_[i] = value.depth;
     if (has(Aov::Normal)) normal_[i] = value.normal;
     if (has(Aov::Position)) position_[i] = value.position;
     if (has(Aov::Albedo)) albedo_[i] = value.albedo;
     if (has(Aov::ObjectId)) object_id_[i] = value.object_id;
 }
+
+void Film::set_retraced(int x, int y, std::uint64_t rays) {
+    retraced_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+              static_cast<std::size_t>(x)] = static_cast<float>(rays);
+}
+
+void Film::clear_retraced() { std::fill(retraced_.begin(), retraced_.end(), 0.0f); }
 
 void Film::set_color(int x, int y, const V3f& rgb) {
     const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +

@@ -12,12 +12,13 @@
 
 namespace irt::film {
 
-enum class Aov : std::uint8_t { Depth, Normal, Position, Albedo, ObjectId };
-inline constexpr std::size_t aov_count = 5;
+enum class Aov : std::uint8_t { Depth, Normal, Position, Albedo, ObjectId, Retraced };
+inline constexpr std::size_t aov_count = 6;
 
-/// The names front ends use, in the order of the enum.
-inline constexpr std::string_view aov_names[aov_count] = {"depth", "normal", "position", "albedo",
-                                                          "objectId"};
+/// The names front ends use, in the order of the enum. Those that begin with `irt.` tell of the
+/// update itself: rays retraced in it.
+inline constexpr std::string_view aov_names[aov_count] = {"depth",  "normal",   "position",
+                                                          "albedo", "objectId", "irt.retraced"};
 std::optional<Aov> aov_named(std::string_view name);
 
 /// What one pixel receives. AOVs are those of its first sample; all zero where it met nothing.
@@ -40,23 +41,28 @@ class Film {
     [[nodiscard]] int height() const { return height_; }
     [[nodiscard]] bool has(Aov aov) const { return has_[static_cast<std::size_t>(aov)]; }
 
-    [[nodiscard]] bool has_aovs() const { return has_aovs_; }
+    /// Whether an AOV of what is seen was asked for.
+    [[nodiscard]] bool shows_surfaces() const { return shows_surfaces_; }
 
     void set(int x, int y, const PixelValue& value);
+    /// Where Aov::Retraced was asked for.
+    void set_retraced(int x, int y, std::uint64_t rays);
+    void clear_retraced();
     /// Red, green and blue; alpha and AOVs stand.
     void set_color(int x, int y, const V3f& rgb);
 
     [[nodiscard]] const float* beauty() const { return beauty_.data(); }
     [[nodiscard]] const float* depth() const { return depth_.data(); }
+    [[nodiscard]] const float* retraced() const { return retraced_.data(); }
     [[nodiscard]] const V3f* vectors(Aov aov) const;  ///< Normal, Position or Albedo
     [[nodiscard]] const std::uint32_t* object_id() const { return object_id_.data(); }
 
   private:
     int width_, height_;
     bool has_[aov_count] = {};
-    bool has_aovs_;
+    bool shows_surfaces_;
     std::vector<float> beauty_;  ///< RGBA, RGBA, ...
-    std::vector<float> depth_;
+    std::vector<float> depth_, retraced_;
     std::vector<V3f> normal_, position_, albedo_;
     std::vector<std::uint32_t> object_id_;
 };

@@ -56,12 +56,13 @@ def verify(
     from irt_usd.shot.output import prepare_output
     from irt_usd.shot.progress import shot_progress
     from irt_usd.shot.session import open_shot
-    from irt_usd.shot.settings import AOV_NAMES, check_film_size
+    from irt_usd.shot.settings import SURFACE_AOVS, check_film_size
     from irt_usd.shot.verify import TABLE_HEADER, verify_shot
 
     check_isa(settings.isa)
     use_threads(settings.threads)
-    settings = replace(settings, aovs=settings.aovs or AOV_NAMES)
+    asked = tuple(name for name in settings.aovs if name in SURFACE_AOVS)
+    settings = replace(settings, aovs=asked or SURFACE_AOVS)
     shot = open_shot(options, Report(strict))
     check_film_size(shot.size, settings.aovs)
     if json_path is not None:

@@ -8,6 +8,7 @@ Beauty is `R G B A` in the root layer, the AOVs are layers beside it:
     position  position.X .Y .Z   float, world space
     albedo    albedo.R .G .B     as beauty
     objectId  objectId.id        uint32, in a second part named objectId
+    irt.retraced                 float, rays retraced in the pixel for this frame
 
 OpenImageIO converts pixels of mixed types by way of float, which cannot hold every id: hence
 the second part.
@@ -47,7 +48,7 @@ class Film:
     """One frame's pixels, row 0 on top.
 
     `beauty` (height, width, 4) float32, scene-linear; `aovs` by name: (height, width) for depth
-    (float32) and objectId (uint32), (height, width, 3) float32 for the others.
+    and irt.retraced (float32) and objectId (uint32), (height, width, 3) float32 for the others.
     """
 
     beauty: NDArray[np.float32]
@@ -73,6 +74,7 @@ _LAYERS = {
     "normal": _Layer(("normal.X", "normal.Y", "normal.Z"), colour=False),
     "position": _Layer(("position.X", "position.Y", "position.Z"), colour=False),
     "albedo": _Layer(("albedo.R", "albedo.G", "albedo.B"), colour=True),
+    "irt.retraced": _Layer(("irt.retraced",), colour=False),
 }
 _ID_AOV = "objectId"
 

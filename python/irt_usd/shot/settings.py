@@ -13,8 +13,17 @@ MAX_SIDE = 65536
 _FILM_COPIES = 6
 """The film and its double, two frames that wait, one being encoded and its interleaved copy."""
 
-_AOV_FLOATS = {"depth": 1, "normal": 3, "position": 3, "albedo": 3, "objectId": 1}
+_AOV_FLOATS = {
+    "depth": 1,
+    "normal": 3,
+    "position": 3,
+    "albedo": 3,
+    "objectId": 1,
+    "irt.retraced": 1,
+}
 AOV_NAMES = tuple(_AOV_FLOATS)
+SURFACE_AOVS = tuple(name for name in AOV_NAMES if not name.startswith("irt."))
+"""Those of what is seen; the others tell of the update, and no two ways to a frame agree on them."""
 
 
 @dataclass(frozen=True)

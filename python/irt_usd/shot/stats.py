@@ -2,7 +2,7 @@
 """Frame statistics: what a frame cost, as a table's row and as one JSON object a frame."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,9 @@ from typing import Any
 from irt_usd.images.atomic import atomic_file
 from irt_usd.shot.frames import Frame
 
-PHASES = ("usd", "diff", "apply", "bvh", "trace", "write", "total")
+PHASES = (
+    "usd", "diff", "apply", "bvh", "detect", "trace", "shade", "combine", "film", "write", "total"
+)  # fmt: skip
 """Seconds are told by phase. `total` is the frame's time by the clock from the start of its reading
 to the end of its tracing, what lies between the phases included, plus `write`, which overlaps the
 next frames: so no less than the sum of the phases."""
@@ -66,8 +68,19 @@ class FrameStats:
             "history_size": self.update["history"],
             "non_finite_pixels": self.non_finite_pixels,
             "seconds": {phase: round(self.seconds.get(phase, 0.0), 6) for phase in PHASES},
-            "cells": self.update["cells"],
+            "cells": {
+                **self.update["cells"],
+                "spread": {
+                    kind: spread(self.update["cells"][kind]) for kind in ("rays", "seconds")
+                },
+            },
         }
+
+
+def spread(values: Sequence[float]) -> float:
+    """How far cells lie apart, as in the paper's table 4: (max - min) / max; 0 where all are 0."""
+    greatest = max(values, default=0.0)
+    return (greatest - min(values)) / greatest if greatest > 0 else 0.0
 
 
 RAY_COUNTS = (
@@ -76,6 +89,7 @@ RAY_COUNTS = (
     "retraced_rays",
     "changed_rays",
     "new_rays",
+    "uncovered_rays",
     "whole_scene_rays",
     "all_rays",
 )
