@@ -24,7 +24,7 @@ from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.open import materialx_file
 from irt_usd.stage.quadrics import QuadricSource
-from irt_usd.stage.settings import settings_size
+from irt_usd.stage.settings import PURPOSES, settings_size
 from irt_usd.stage.snapshot import (
     CameraState,
     LightState,
@@ -55,7 +55,7 @@ class ReadOptions:
     """
 
     camera: str | None = None
-    purposes: tuple[str, ...] = ("default", "render")
+    purposes: tuple[str, ...] = PURPOSES
     camera_light: bool = True
     size: tuple[int, int] | None = None
 
@@ -228,15 +228,20 @@ class ShotReader:
         return usd_errors(f"{self._file}: the camera {self.camera_path}")
 
     def _find_size(self, options: ReadOptions, time: Usd.TimeCode) -> tuple[int, int]:
-        size = options.size or settings_size(self._stage, self._report)
-        if size is None:
+        authored = settings_size(self._stage, self._report)
+        if options.size is not None:
+            size, origin = options.size, "the size asked for"
+        elif authored is not None:
+            size, origin = authored, "the render settings' resolution"
+        else:
             aspect = self._camera.aspect(time)
             size = (_DEFAULT_WIDTH, max(1, int(_DEFAULT_WIDTH / aspect)))
+            origin = f"the apertures of {self.camera_path}"
         width, height = size
         if not (1 <= width <= _MAX_SIDE and 1 <= height <= _MAX_SIDE):
             raise InputError(
-                f"{self._file}: an image of {width}x{height} pixels;"
-                f" expected 1 to {_MAX_SIDE} a side"
+                f"{self._file}: {origin}: an image of {width:.9g}x{height:.9g} pixels;"
+                f" expected 1 to {_MAX_SIDE} a side; mend it or give --size"
             )
         return width, height
 
