@@ -91,7 +91,10 @@ class Node:
                 self.own_visible = query.Get(Usd.TimeCode.EarliestTime()) != "invisible"
                 self.visible = self.visible and self.own_visible
         if "purpose" in authored and prim.IsA(UsdGeom.Imageable):
-            self.purpose = str(prim.GetAttribute("purpose").Get(Usd.TimeCode.EarliestTime()))
+            purpose = prim.GetAttribute("purpose")
+            value = purpose.Get(Usd.TimeCode.EarliestTime())
+            if purpose.HasAuthoredValue() and isinstance(value, str):
+                self.purpose = value
         if "primvars:displayColor" in authored or "primvars:displayOpacity" in authored:
             self.display_primvars = True
         if "primvars:skel:jointIndices" in authored or "skel:blendShapes" in authored:
