@@ -65,7 +65,7 @@ class LightSource:
         self._kind = str(prim.GetTypeName())
         self._size = _SIZES[self._kind]
         self._attributes = Attributes(
-            prim, (*_EMISSION, self._size, "inputs:shadow:enable"), report
+            prim, (*_EMISSION, self._size, "inputs:shadow:enable"), report, node.in_clips
         )
         self._state: LightState | None = None
         self._first = True

@@ -12,6 +12,7 @@ from pxr import Usd
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.snapshot import Shape
+from irt_usd.stage.transforms import Node
 from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
@@ -66,15 +67,15 @@ class QuadricShape(Shape):
 class QuadricSource:
     """Reads one solid."""
 
-    def __init__(self, prim: Usd.Prim, report: Report) -> None:
+    def __init__(self, node: Node, report: Report) -> None:
         self._report = report
-        self._kind = str(prim.GetTypeName())
+        self._kind = str(node.prim.GetTypeName())
         names = LENGTHS[self._kind]
         if self._kind not in ("Sphere", "Cube"):
             names = (*names, "axis")
         if self._kind == "Plane":
             names = (*names, "doubleSided")
-        self._attributes = Attributes(prim, names, report)
+        self._attributes = Attributes(node.prim, names, report, node.in_clips)
         self._shape: Shape | None = None
         self._first = True
 

@@ -101,7 +101,7 @@ class ShotReader:
         self._report = report
         if not frames:
             raise InputError(f"{self._file}: no frames to read; give a range that holds some")
-        with usd_diagnostics(report, self._file):
+        with usd_diagnostics(report, stage, self._file):
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
@@ -142,7 +142,10 @@ class ShotReader:
         What is wrong with single prims goes to the report. Raises InputError on a camera that
         shows nothing, and on files that USD can no longer read.
         """
-        with self._report.at_frame(time), usd_diagnostics(self._report, self._file):
+        with (
+            self._report.at_frame(time),
+            usd_diagnostics(self._report, self._stage, self._file),
+        ):
             code = Usd.TimeCode(time)
             self._hierarchy.update(code)
             self._snapshot = self._next(code, self._snapshot)
@@ -150,7 +153,7 @@ class ShotReader:
 
     def camera_position(self, time: Usd.TimeCode) -> Vector:
         """Where the camera is at `time`, in world space, finite or not."""
-        with usd_diagnostics(self._report, self._file):
+        with usd_diagnostics(self._report, self._stage, self._file):
             return self._camera.position(time)
 
     def _next(self, time: Usd.TimeCode, old: Snapshot | None) -> Snapshot:
@@ -202,7 +205,7 @@ class ShotReader:
                 name = self._display_material(node)
             is_mesh = node.prim.GetTypeName() == "Mesh"
             kind: type[MeshSource | QuadricSource] = MeshSource if is_mesh else QuadricSource
-            shape = attempt(lambda: kind(node.prim, self._report), node.prim, self._report)  # noqa: B023
+            shape = attempt(lambda: kind(node, self._report), node.prim, self._report)  # noqa: B023
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report))
         return sources
