@@ -22,7 +22,7 @@ def atomic_file(path: Path) -> Iterator[Path]:
     included, `path` is as it was. Raises MachineError where the system refuses, a full disk for
     one.
     """
-    path = path.resolve()
+    path = followed(path)
     temporary = path.parent / f".irt-{secrets.token_hex(8)}.tmp"
     try:
         with open(os.memfd_create("irt"), "r+b") as memory:  # noqa: PTH123 (no path)
@@ -40,6 +40,11 @@ def atomic_file(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def followed(path: Path) -> Path:
+    """The absolute path that links lead to; links in a circle lead nowhere, to themselves."""
+    return Path(os.path.realpath(path))
 
 
 def _refuse_cut(descriptor: int) -> None:

@@ -44,6 +44,10 @@ def open_stage(path: str) -> Usd.Stage:
         raise InputError(f"{path}: a folder, not a file; give a USD stage ({_EXTENSIONS})")
     if not os.access(path, os.R_OK):
         raise InputError(f"{path}: no permission to read it; change its mode or owner")
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{path}: its name is not UTF-8, as USD needs it; rename it") from None
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         stage = Usd.Stage.Open(path)
