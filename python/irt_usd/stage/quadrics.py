@@ -47,6 +47,8 @@ class QuadricShape(Shape):
         lengths = [cast("float", self.attributes[name]) for name in LENGTHS[kind]]
         if kind == "Sphere":
             return _core.Quadric.sphere(*lengths)
+        if kind == "Capsule" and self.attributes["height"] == 0:
+            return _core.Quadric.sphere(lengths[0])
         if kind == "Cube":
             return _core.Quadric.cube(*lengths)
         if kind == "Plane":
@@ -99,7 +101,8 @@ class QuadricSource:
                 wanted = f"the {name} is {length}; expected a positive finite number"
                 self._report.skipped(wanted, where(prim, name, time))
                 return None
-            if length == 0:
+            is_ball = self._kind == "Capsule" and name == "height"
+            if length == 0 and not is_ball:
                 self._report.mentioned("of no size, so not there", where(prim, name, time))
                 return None
         if values.get("axis", "Z") not in _ROW_OF_CORE_AXIS:
