@@ -50,6 +50,17 @@ def test_a_notice_stands_before_its_own_frames_row(fading: str, tmp_path: Path) 
     assert ["skipped" in line for line in said] == [False, True, False, False, False]
 
 
+def test_strict_says_at_once_and_once_what_no_frame_can_have(tmp_path: Path) -> None:
+    stage = write_stage(tmp_path, SHOT + 'def Points "Dust"\n{\n}\n')
+    pattern = tmp_path / "out" / "b.#.exr"
+    for arguments in (("render", stage, *SIZE, "-o", str(pattern)), ("verify", stage, *SIZE)):
+        result = irt(*arguments, "--strict")
+        assert result.exit_code == 2
+        assert result.output.count("/Dust") == 1, result.output
+        assert "nothing was rendered" in result.output
+    assert not pattern.parent.exists()
+
+
 def test_strict_says_what_became_of_the_frames(fading: str, tmp_path: Path) -> None:
     pattern = str(tmp_path / "out" / "b.#.exr")
     message = failure("render", fading, *SIZE, "-o", pattern, "--strict")

@@ -2,6 +2,7 @@
 """`irt` as a program: signals, full disks, pipes."""
 
 import json
+import os
 import resource
 import signal
 import subprocess
@@ -24,6 +25,12 @@ def test_render_and_verify(tmp_path: Path) -> None:
     verified = run("verify", stage, "--size", "32x18", "--json", "v.json", cwd=tmp_path)
     assert verified.returncode == 0, verified.stderr
     assert json.loads((tmp_path / "v.json").read_text())["differing_pixels"] == 0
+
+
+def test_more_threads_than_the_machine_has(tmp_path: Path) -> None:
+    threads = str(2 * (os.cpu_count() or 1) + 1)
+    result = run("verify", write_stage(tmp_path), "--size", "32x18", "--threads", threads)
+    assert (result.returncode, result.stderr) == (0, "")
 
 
 def test_bad_input_is_status_2(tmp_path: Path) -> None:

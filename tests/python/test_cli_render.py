@@ -13,6 +13,7 @@ from cli_support import (
     FRAMES,
     MOVING_SHOT,
     SCENE,
+    SHOT,
     SIDE_CAMERA,
     SIZE,
     failure,
@@ -116,6 +117,33 @@ def test_aovs_and_header(shot: str, tmp_path: Path) -> None:
     assert len(spec["irt:numericFingerprint"]) == 16
     assert spec["worldToCamera"][12:15] == (0, -1, 8)
     assert len(spec["worldToNDC"]) == 16
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "focal_length"),
+    [
+        ("focalLength = 35", "focalLength.timeSamples = { 1: None, 3: 35 }", 50),
+        ("focalLength = 35", "verticalAperture.timeSamples = { 1: None, 3: 20 }", 50),
+        (
+            "float focalLength = 35",
+            'token projection = "orthographic"\n    string focalLength = "long"',
+            50,
+        ),
+        ("endTimeCode = 4", "endTimeCode = 4\n    framesPerSecond = inf", 35),
+        ("endTimeCode = 4", "endTimeCode = 4\n    framesPerSecond = 1e30", 35),
+    ],
+)
+def test_header_of_odd_stages(tmp_path: Path, old: str, new: str, focal_length: float) -> None:
+    """The header tells what was rendered: fallbacks where values are blocked or of other types."""
+    render(write_stage(tmp_path, SHOT.replace(old, new)), tmp_path / "a", "-f", "1")
+    assert spec_of(tmp_path / "a" / "b.0001.exr")["nominalFocalLength"] == focal_length
+
+
+def test_frame_number_beyond_the_headers_integers(shot: str, tmp_path: Path) -> None:
+    render(shot, tmp_path / "a", "-f", "3000000000")
+    spec = spec_of(tmp_path / "a" / "b.3000000000.exr")
+    assert spec["irt:frame"] == "3000000000"
+    assert "imageCounter" not in [attribute.name for attribute in spec.extra_attribs]
 
 
 def test_float_pixels(shot: str, tmp_path: Path) -> None:

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """EXR files: what is stored, byte for byte, and what is left when writing fails."""
 
+import resource
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -153,6 +156,38 @@ def test_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
         write_half()
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+@contextmanager
+def files_of_at_most(size: int) -> Iterator[None]:
+    """Stands in for a disk on which the last bytes of a larger file find no room."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def write_frame(path: Path) -> None:
+    write_exr(path.with_suffix(".exr"), film(), {})
+
+
+def write_sheet(path: Path) -> None:
+    write_contact_sheet(path.with_suffix(".png"), [path.parent / "frame.exr"], width=32)
+
+
+@pytest.mark.parametrize("write", [write_frame, write_sheet])
+def test_no_file_without_its_last_bytes(tmp_path: Path, write: Callable[[Path], None]) -> None:
+    write_frame(tmp_path / "frame")
+    write(tmp_path / "whole")
+    (whole,) = tmp_path.glob("whole.*")
+    with (
+        files_of_at_most(whole.stat().st_size - 5),
+        pytest.raises(MachineError, match="cannot be written"),
+    ):
+        write(tmp_path / "cut")
+    assert {path.name for path in tmp_path.iterdir()} == {"frame.exr", whole.name}
 
 
 def test_a_folder_that_vanished(tmp_path: Path) -> None:

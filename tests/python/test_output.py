@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from irt_usd.errors import InputError
+from irt_usd.images.atomic import atomic_file
 from irt_usd.shot.frames import parse_frames
 from irt_usd.shot.output import default_pattern, output_paths, parse_pattern, prepare_output
 
@@ -112,6 +113,28 @@ def test_inputs_and_devices_are_not_written_over(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no regular file"):
         prepare_output([Path("/dev/null")], "--stats", print)
     assert stage.read_text() == "#usda 1.0\n"
+
+
+def test_links_are_followed(tmp_path: Path) -> None:
+    link, target = tmp_path / "link.exr", tmp_path / "new" / "b.exr"
+    link.symlink_to(target)
+    prepare_output([link], "--output", print)
+    assert target.parent.is_dir()
+    (tmp_path / "file").write_text("")
+    link.unlink()
+    link.symlink_to(tmp_path / "file" / "b.exr")
+    with pytest.raises(InputError, match="cannot write in"):
+        prepare_output([link], "--output", print)
+
+
+def test_a_link_to_itself_is_written_over(tmp_path: Path) -> None:
+    link = tmp_path / "b.json"
+    link.symlink_to(link)
+    prepare_output([link], "--stats", print, [tmp_path / "shot.usda"])
+    with atomic_file(link) as file:
+        file.write_text("{}")
+    assert link.read_text() == "{}"
+    assert not link.is_symlink()
 
 
 def test_padding_with_spaces_is_refused() -> None:

@@ -77,6 +77,53 @@ def test_impossible_sizes(shot: MakeShot, size: tuple[int, int]) -> None:
         shot("", options=ReadOptions(size=size))
 
 
+def with_settings(lines: str) -> str:
+    return f'def RenderSettings "R"\n{{\n{lines}\n}}\n'
+
+
+AUTHORED = 'renderSettingsPrimPath = "/R"'
+
+
+@pytest.mark.parametrize(
+    ("body", "what"),
+    [
+        (with_settings("uniform int2 resolution = (0, 10)"), "resolution: an image of 0x10"),
+        (camera("float verticalAperture = 1e30"), "the apertures of /cam: an image of 960x"),
+    ],
+)
+def test_impossible_sizes_of_the_stage(shot: MakeShot, body: str, what: str) -> None:
+    with pytest.raises(InputError, match=what):
+        shot(body, metadata=AUTHORED)
+
+
+@pytest.mark.parametrize(
+    ("line", "severity"),
+    [
+        ('string resolution = "large"', "skipped"),
+        ("float dataWindowNDC = 1", "skipped"),
+        ('token pixelAspectRatio = "wide"', "skipped"),
+        ("uniform float pixelAspectRatio = 2", "unsupported"),
+        ("uniform float4 dataWindowNDC = (0, 0, 0.5, 1)", "unsupported"),
+        ('uniform token[] includedPurposes = ["default", "proxy"]', "unsupported"),
+    ],
+)
+def test_render_settings_that_are_not_followed(shot: MakeShot, line: str, severity: str) -> None:
+    made = shot(with_settings(line), metadata=AUTHORED, options=SQUARE)
+    assert "/R" in "".join(made.notices(severity))
+
+
+def test_blocked_render_settings(shot: MakeShot) -> None:
+    lines = "uniform int2 resolution = None\nuniform float4 dataWindowNDC = None"
+    made = shot(with_settings(lines), metadata=AUTHORED)
+    assert made.reader.size[0] == 960
+    assert not any("/R" in notice.text for notice in made.report.notices)
+
+
+def test_render_settings_that_are_not_there(shot: MakeShot) -> None:
+    made = shot("", metadata=AUTHORED)
+    assert "renderSettingsPrimPath" in "".join(made.notices("skipped"))
+
+
 TWO = camera("", "a") + 'def Xform "G"\n{\n' + camera("", "a") + camera("", "b") + "}\n"
 
 

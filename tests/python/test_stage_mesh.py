@@ -88,6 +88,8 @@ def test_indexed_normals_are_flattened(shot: MakeShot) -> None:
         "float[] normals = [1, 2, 3, 4, 5, 6]",
         normals(3, "normal3f[] primvars:normals", "faceVarying")
         + "int[] primvars:normals:indices = [0, 1, 2, 0, 2, 1, 0, 3]",
+        normals(3, "normal3f[] primvars:normals", "faceVarying")
+        + "float[] primvars:normals:indices = [0, 1, 2, 0, 2, 1, 0, 2]",
     ],
 )
 def test_broken_normals_give_facets_and_say_so(shot: MakeShot, bad: str) -> None:
@@ -121,6 +123,11 @@ def test_sides_and_orientation(shot: MakeShot) -> None:
         ("[4, 4]", "[9, -1]", "/M.faceVertexCounts"),
         ("1, 4, 5, 2]", "1, 4, 6, 2]", "/M.faceVertexIndices"),
         ("1, 4, 5, 2]", "1, 4, -1, 2]", "/M.faceVertexIndices"),
+        (
+            "int[] faceVertexIndices = [0",
+            "int64[] faceVertexIndices = [4294967296",
+            "/M.faceVertexI",
+        ),
         ("(2,1,0)]", "(2,nan,0)]", "/M.points"),
         ("(2,1,0)]", "(2,inf,0)]", "/M.points"),
         ("point3f[] points = [", 'token[] points = ["a"]\nint[] rest = [1]\n#', "/M.points"),

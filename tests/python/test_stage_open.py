@@ -27,6 +27,16 @@ def test_folder(tmp_path: Path) -> None:
     assert "a folder" in refusal(tmp_path)
 
 
+def test_a_name_that_is_not_utf8(tmp_path: Path) -> None:
+    path = os.fsdecode(os.fsencode(tmp_path / "shot") + b"\xff.usda")
+    Path(path).write_text("#usda 1.0\n")
+    with pytest.raises(InputError, match="rename it"):
+        open_stage(path)
+    named = tmp_path / "été.usda"
+    named.write_text("#usda 1.0\n")
+    assert open_stage(str(named))
+
+
 @pytest.mark.parametrize("name", ["a.txt", "noextension"])
 def test_not_usd_by_name(tmp_path: Path, name: str) -> None:
     path = tmp_path / name

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from conftest import MakeShot
+from irt_usd import _core as core
 
 KINDS = ["Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane"]
 
@@ -39,8 +40,6 @@ def test_the_cores_z_axis_lands_on_the_authored_axis_and_keeps_its_hand(
 
 @pytest.mark.parametrize(("axis", "extent"), [("X", (0, 6, 4)), ("Y", (4, 0, 6)), ("Z", (4, 6, 0))])
 def test_plane_width_and_length(shot: MakeShot, axis: str, extent: tuple[int, int, int]) -> None:
-    from irt_usd import _core as core
-
     made = {}
 
     def plane(width: float, length: float) -> object:
@@ -100,6 +99,12 @@ def test_no_size_is_mentioned(shot: MakeShot) -> None:
     assert any("/S.radius" in text for text in made.notices("mentioned"))
 
 
+def test_a_capsule_without_a_spine_is_a_ball(shot: MakeShot) -> None:
+    state = shot('def Capsule "S"\n{\ndouble height = 0\n}').read().objects["/S"]
+    state.add_to(core.ChangeSet())  # the core refuses lengths of 0
+    assert state.shape.attributes["height"] == 0
+
+
 def test_bad_axis_is_skipped(shot: MakeShot) -> None:
     made = shot('def Cone "S"\n{\nuniform token axis = "W"\n}')
     assert not made.read().objects
@@ -108,7 +113,5 @@ def test_bad_axis_is_skipped(shot: MakeShot) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_core_record(shot: MakeShot, kind: str) -> None:
-    from irt_usd import _core as core
-
     state = shot(f'def {kind} "S"\n{{\n}}').read().objects["/S"]
     assert isinstance(state.shape.geometry(), core.Quadric)

@@ -89,6 +89,24 @@ def test_purposes(shot: MakeShot) -> None:
     assert sorted(shot(body, options=options).read().objects) == ["/default/S", "/proxy/S"]
 
 
+@pytest.mark.parametrize(
+    ("purpose", "count"),
+    [
+        ("uniform token purpose", 0),
+        ("uniform token purpose = None", 0),
+        ('uniform token purpose = "default"', 1),
+    ],
+)
+def test_a_purpose_without_a_value_is_inherited(shot: MakeShot, purpose: str, count: int) -> None:
+    child = SPHERE.format("S", purpose)
+    body = f'def Xform "X"\n{{\nuniform token purpose = "guide"\n{child}}}\n'
+    assert len(shot(body).read().objects) == count
+
+
+def test_a_purpose_of_another_type_is_none(shot: MakeShot) -> None:
+    assert list(shot(SPHERE.format("S", "int purpose = 1")).read().objects) == ["/S"]
+
+
 def test_inactive_and_abstract_prims(shot: MakeShot) -> None:
     body = 'def Sphere "S" (\nactive = false\n)\n{\n}\nclass Sphere "C"\n{\n}\nover "O"\n{\n}\n'
     assert not shot(body).read().objects

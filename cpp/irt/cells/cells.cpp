@@ -12,6 +12,15 @@
 
 namespace irt::cells {
 
+namespace {
+
+/// TBB makes no more threads than the machine has, and complains where more are asked for.
+int arena_slots(int threads) {
+    return std::min(thread_count(threads), oneapi::tbb::info::default_concurrency());
+}
+
+}  // namespace
+
 CellOrder natural_order() {
     CellOrder order;
     std::iota(order.begin(), order.end(), 0);
@@ -24,7 +33,7 @@ int thread_count(int threads) {
 
 void for_each_group(int threads, int groups, const CellOrder& order,
                     const std::function<void(CellGroup group)>& body) {
-    oneapi::tbb::task_arena arena(thread_count(threads));
+    oneapi::tbb::task_arena arena(arena_slots(threads));
     const std::size_t count = static_cast<std::size_t>(std::clamp(groups, 1, cell_count));
     const auto first_of = [count](std::size_t group) { return group * cell_count / count; };
     arena.execute([&] {

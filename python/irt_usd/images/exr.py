@@ -16,7 +16,6 @@ the second part.
 
 import os
 import re
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -210,9 +209,7 @@ def _write_parts(
         if written and index > 0:
             written = output.open(str(temporary), spec, "AppendSubimage")
         written = written and output.write_image(pixels)
-    # Closed in any case; closing is where the last of the file can fail to reach the disk.
     closed = output.close()
     if not (written and closed):
         reason = " ".join(output.geterror().split()).replace(str(temporary), path.name)
-        free = shutil.disk_usage(path.parent).free // 2**20
-        raise MachineError(f"{path}: cannot be written ({free} MiB free there): {reason}")
+        raise MachineError(f"{path}: cannot be written: {reason}")

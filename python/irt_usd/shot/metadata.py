@@ -6,11 +6,10 @@ Times, hosts, threads and the cost of a frame belong in the statistics file.
 
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import UsdGeom
 
 from irt_usd import _core
 from irt_usd.images.exr import Matrix, MetadataValue, source_date
@@ -19,17 +18,19 @@ from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.stage.snapshot import CameraState
 
+_INTEGERS = 2**31
+"""OpenEXR's integers and rationals end here; larger frame numbers and rates are left out."""
+
 _FLIP_Z = np.diag([1.0, 1.0, -1.0, 1.0])
 
 
 def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValue]:
     """The entries that are the same in every frame. Raises InputError: a bad SOURCE_DATE_EPOCH."""
     versions = _core.versions()
-    return {
+    entries: dict[str, MetadataValue] = {
         "Software": f"irt {versions['irt']}",
         "DateTime": source_date(),
         "cameraLabel": shot.camera_path,
-        "framesPerSecond": frames_per_second(shot.stage.GetFramesPerSecond()),
         "irt:stage": Path(shot.options.stage).name,
         "irt:camera": shot.camera_path,
         "irt:cameraLight": int(shot.reader.camera_light),
@@ -42,30 +43,36 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:numericFingerprint": _core.numeric_fingerprint(settings.isa),
         "irt:versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
     }
+    rate = shot.stage.GetFramesPerSecond()
+    if rate < _INTEGERS:
+        entries["framesPerSecond"] = frames_per_second(rate)
+    return entries
 
 
-def frame_metadata(shot: Shot, frame: Frame, camera: CameraState) -> dict[str, MetadataValue]:
+def frame_metadata(frame: Frame, camera: CameraState) -> dict[str, MetadataValue]:
     """The entries of one frame.
 
     Focal length and film back are in millimetres, as is usual for USD's tenths of a scene unit.
     """
-    prim = UsdGeom.Camera(shot.stage.GetPrimAtPath(shot.camera_path))
     world_to_camera, world_to_ndc = camera_matrices(
         camera.world_from_camera, camera.window, camera.orthographic
     )
-    time = float(frame)
     entries: dict[str, MetadataValue] = {
         "irt:frame": format_frame(frame),
-        "irt:timeCode": time,
+        "irt:timeCode": float(frame),
         "worldToCamera": world_to_camera,
         "worldToNDC": world_to_ndc,
-        "nominalFocalLength": float(prim.GetFocalLengthAttr().Get(time)),
-        "irt:horizontalAperture": float(prim.GetHorizontalApertureAttr().Get(time)),
-        "irt:verticalAperture": float(prim.GetVerticalApertureAttr().Get(time)),
+        "nominalFocalLength": _number(camera, "focalLength"),
+        "irt:horizontalAperture": _number(camera, "horizontalAperture"),
+        "irt:verticalAperture": _number(camera, "verticalAperture"),
     }
-    if frame == frame.to_integral_value():
+    if frame == frame.to_integral_value() and abs(frame) < _INTEGERS:
         entries["imageCounter"] = int(frame)
     return entries
+
+
+def _number(camera: CameraState, attribute: str) -> float:
+    return cast("float", camera.attributes[attribute])
 
 
 def frames_per_second(rate: float) -> Fraction:

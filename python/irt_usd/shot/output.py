@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irt_usd.errors import InputError
+from irt_usd.images.atomic import followed
 from irt_usd.shot.frames import Frame, format_frame
 
 _TOKEN = re.compile(
@@ -122,7 +123,7 @@ def prepare_output(
         for other in kept:
             if _same_file(path, other):
                 raise InputError(f"{option} {path}: would overwrite {other}; give another name")
-    for folder in dict.fromkeys(path.parent for path in paths):
+    for folder in dict.fromkeys(followed(path).parent for path in paths):
         try:
             if not folder.exists():
                 folder.mkdir(parents=True, exist_ok=True)
@@ -131,7 +132,7 @@ def prepare_output(
                 pass
         except OSError as error:
             raise InputError(
-                f"{option} {paths[0]}: cannot write in {folder.absolute()}: {error.strerror}"
+                f"{option} {paths[0]}: cannot write in {folder}: {error.strerror}"
             ) from error
 
 
@@ -147,6 +148,6 @@ def _refuse_other_than_file(path: Path, option: str) -> None:
 
 
 def _same_file(path: Path, other: Path) -> bool:
-    return path.resolve() == other.resolve() or (
+    return followed(path) == followed(other) or (
         path.exists() and other.exists() and path.samefile(other)
     )

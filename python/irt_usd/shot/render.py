@@ -55,7 +55,7 @@ def render_shot(
                 written.expect(frame)
                 # The film of an unchanged frame is written again as it is.
                 film = film if film is not None and traced.unchanged else tracer.film()
-                metadata = common | frame_metadata(shot, frame, traced.snapshot.camera)
+                metadata = common | frame_metadata(frame, traced.snapshot.camera)
                 stats = _frame_stats(traced, path, output.history)
                 writer.submit(FrameJob(path, film, metadata, output.pixel_type, stats))
                 written.take(writer)

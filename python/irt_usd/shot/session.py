@@ -76,6 +76,7 @@ def open_shot(options: ShotOptions, report: Report) -> Shot:
     frames = requested or _stage_frames(stage, options.stage)
     reader = ShotReader(stage, _read_options(options), report, [float(f) for f in frames])
     _mention_range(stage, frames, report)
+    report.enforce("the shot cannot be rendered whole; nothing was rendered")
     moving = set(reader.camera_moves)
     moves = tuple(frame for frame in frames if float(frame) in moving)
     if moves and options.require_locked:

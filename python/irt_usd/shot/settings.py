@@ -10,8 +10,9 @@ from irt_usd.errors import InputError
 MAX_SIDE = 65536
 """Pixels; wider images are taken for slips of the keyboard."""
 
-_FILM_COPIES = 6
-"""The film and its double, two frames that wait, one being encoded and its interleaved copy."""
+_FILM_COPIES = 7
+"""The film and its double, two frames that wait, one being encoded, its interleaved copy and its
+file."""
 
 _AOV_FLOATS = {
     "depth": 1,

@@ -16,20 +16,31 @@ def _fallback(type_name: str, attribute: str) -> Value:
     return plain(definition.GetAttributeFallbackValue(attribute)) if definition else None
 
 
+def authored_properties(prim: Usd.Prim, in_clips: bool) -> frozenset[str]:
+    """Names of the properties that something is said of, in value clips alone if `in_clips`."""
+    names = prim.GetAuthoredPropertyNames()
+    if in_clips:
+        names += [a.GetName() for a in prim.GetAttributes() if a.HasAuthoredValue()]
+    return frozenset(names)
+
+
 class Attributes:
     """Values by attribute name; unauthored ones have their schema's fallback, else None.
 
     A value of another type than its schema's is reported, and the fallback takes its place.
+    `in_clips`: whether value clips may give values to what is declared nowhere else.
     """
 
-    def __init__(self, prim: Usd.Prim, names: Iterable[str], report: Report) -> None:
+    def __init__(
+        self, prim: Usd.Prim, names: Iterable[str], report: Report, in_clips: bool = False
+    ) -> None:
         self.prim = prim
         self._report = report
         self.values: dict[str, Value] = {}
         self._varying: dict[str, Usd.AttributeQuery] = {}
         self._interrupted = False
         """Whether the last update failed midway: what it had read by then counts as changed."""
-        authored = prim.GetAuthoredPropertyNames()
+        authored = authored_properties(prim, in_clips)
         type_name = str(prim.GetTypeName())
         for name in names:
             if name not in authored:

@@ -68,7 +68,7 @@ class CameraSource:
         self._node = self._chain[-1]
         self._prim = prim
         self._file = source
-        self._attributes = Attributes(prim, _NAMES, report)
+        self._attributes = Attributes(prim, _NAMES, report, self._node.in_clips)
         self._state: CameraState | None = None
         self._world = b""
 

@@ -2,17 +2,19 @@
 """USD's own diagnostics: collected, so that nothing raw reaches the terminal."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from pxr import Tf, Usd, UsdUtils
+from pxr import Sdf, Tf, Usd, UsdUtils
 
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.stage.attributes import prim_location
 
 _T = TypeVar("_T")
+
+_LOST_CLIP = re.compile(r"Unable to open clip layer @(.+?)@")
 
 
 def one_line(text: str) -> str:
@@ -52,14 +54,51 @@ def usd_errors(source: str) -> Iterator[None]:
 
 
 @contextmanager
-def usd_diagnostics(report: Report | None, source: str) -> Iterator[None]:
-    """Warnings become mentions in `report` (dropped without one), errors InputError on `source`."""
+def usd_diagnostics(report: Report, stage: Usd.Stage, source: str) -> Iterator[None]:
+    """Warnings become mentions in `report`; errors, and clips lost, InputError on `source`."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    said: list[str] = []
     try:
         with usd_errors(source):
             yield
     finally:
-        for diagnostic in delegate.TakeUncoalescedDiagnostics():
-            if report:
-                report.mentioned(f"USD says: {one_line(diagnostic.commentary)}")
+        said += diagnostics_of(delegate)
         del delegate
+        for text in said:
+            if not _LOST_CLIP.search(text):
+                report.mentioned(f"USD says: {text}")
+    refuse_lost_clips(said, stage, source)
+
+
+def diagnostics_of(delegate: UsdUtils.CoalescingDiagnosticDelegate) -> list[str]:
+    """What `delegate` has collected, one line each."""
+    return [one_line(diagnostic.commentary) for diagnostic in delegate.TakeUncoalescedDiagnostics()]
+
+
+def refuse_lost_clips(said: Iterable[str], stage: Usd.Stage, source: str) -> None:
+    """Raises InputError if USD said that it cannot open value clips, whose values it then lacks."""
+    found = [_LOST_CLIP.search(text) for text in said]
+    lines = dict.fromkeys(_lost_clip(stage, match[1]) for match in found if match)
+    if lines:
+        raise InputError("\n  ".join([f"{source}: value clips cannot be read:", *lines]))
+
+
+def _lost_clip(stage: Usd.Stage, asset: str) -> str:
+    place, reason = "", "no such file"
+    for prim in stage.TraverseAll():
+        api = Usd.ClipsAPI(prim)
+        for name in prim.GetMetadata("clips") or ():
+            paths = [*api.ComputeClipAssetPaths(name), api.GetClipManifestAssetPath(name)]
+            for path in filter(None, paths):
+                if asset in (path.path, path.resolvedPath):
+                    place = f"prim {prim_location(prim)}: "
+                    reason = _unopened(path.resolvedPath) if path.resolvedPath else reason
+    return f"{place}@{asset}@: {reason}; mend the layer, or the prim's clips"
+
+
+def _unopened(file: str) -> str:
+    try:
+        Sdf.Layer.FindOrOpen(file)
+    except Tf.ErrorException as error:
+        return "; ".join(error_lines(error))
+    return "no such file, or not USD"

@@ -65,7 +65,7 @@ class LightSource:
         self._kind = str(prim.GetTypeName())
         self._size = _SIZES[self._kind]
         self._attributes = Attributes(
-            prim, (*_EMISSION, self._size, "inputs:shadow:enable"), report
+            prim, (*_EMISSION, self._size, "inputs:shadow:enable"), report, node.in_clips
         )
         self._state: LightState | None = None
         self._first = True
@@ -93,9 +93,10 @@ class LightSource:
     def _build(self, time: Usd.TimeCode) -> LightState | None:
         values = self._attributes.values
         for name in (*_EMISSION, self._size):
-            value = values[name]
-            if value is None or not finite(value) or (name == self._size and value < 0):  # type: ignore[operator]
-                message = f"{name} is {value}; expected finite numbers"
+            value, is_size = values[name], name == self._size
+            if value is None or not finite(value) or (is_size and value < 0):  # type: ignore[operator]
+                wanted = "a finite number from 0" if is_size else "finite numbers"
+                message = f"{name} is {value}; expected {wanted}"
                 self._report.skipped(message, where(self._prim, name, time))
                 return None
         world = matrix_array(self.node.world)

@@ -11,7 +11,8 @@ from pxr import Usd, UsdGeom
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.snapshot import Shape
-from irt_usd.stage.topology import Topology, TopologyError
+from irt_usd.stage.topology import Topology, TopologyError, integers
+from irt_usd.stage.transforms import Node
 from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
@@ -68,11 +69,11 @@ class MeshShape(Shape):
 class MeshSource:
     """Reads one mesh."""
 
-    def __init__(self, prim: Usd.Prim, report: Report) -> None:
+    def __init__(self, node: Node, report: Report) -> None:
         self._report = report
-        self._prim = prim
-        self._path = str(prim.GetPath())
-        self._attributes = Attributes(prim, _NAMES, report)
+        self._prim = prim = node.prim
+        self._path = node.path
+        self._attributes = Attributes(prim, _NAMES, report, node.in_clips)
         self._double_sided_authored = prim.GetAttribute("doubleSided").HasAuthoredValue()
         self._shape: Shape | None = None
         self._topology: Topology | None = None
@@ -173,12 +174,13 @@ def vectors(attribute: str, value: Value) -> NDArray[np.float32]:
 
 
 def _flattened(normals: NDArray[np.float32], indices: Value) -> NDArray[np.float32]:
-    if not isinstance(indices, np.ndarray):
+    if indices is None:
         return normals
-    if len(indices) and (indices.min() < 0 or indices.max() >= len(normals)):
-        message = f"an index is outside the {len(normals)} normals"
-        raise TopologyError("primvars:normals:indices", message)
-    return normals[indices]
+    name = "primvars:normals:indices"
+    array = integers(name, indices)
+    if len(array) and (array.min() < 0 or array.max() >= len(normals)):
+        raise TopologyError(name, f"an index is outside the {len(normals)} normals")
+    return normals[array]
 
 
 def _empty(value: Value) -> bool:

@@ -8,7 +8,12 @@ from pathlib import Path
 from pxr import Pcp, Tf, Usd, UsdUtils
 
 from irt_usd.errors import InputError
-from irt_usd.stage.diagnostics import error_lines, one_line
+from irt_usd.stage.diagnostics import (
+    diagnostics_of,
+    error_lines,
+    one_line,
+    refuse_lost_clips,
+)
 
 _EXTENSIONS = ".usd, .usda, .usdc or .usdz"
 
@@ -30,7 +35,7 @@ def open_stage(path: str) -> Usd.Stage:
     """The stage of the file `path`, with all its payloads.
 
     Raises InputError: no such file, not USD, a layer that does not parse (with file:line:column),
-    a missing sublayer, reference or payload, a cycle, or any other composition error.
+    a missing sublayer, reference, payload or value clip, a cycle, or any other composition error.
     """
     file = Path(path)
     if not file.exists():
@@ -39,9 +44,14 @@ def open_stage(path: str) -> Usd.Stage:
         raise InputError(f"{path}: a folder, not a file; give a USD stage ({_EXTENSIONS})")
     if not os.access(path, os.R_OK):
         raise InputError(f"{path}: no permission to read it; change its mode or owner")
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        raise InputError(f"{path}: its name is not UTF-8, as USD needs it; rename it") from None
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         stage = Usd.Stage.Open(path)
+        said = diagnostics_of(delegate)
     except Tf.ErrorException as error:
         raise InputError(_open_failure(path, error_lines(error))) from None
     finally:
@@ -49,6 +59,7 @@ def open_stage(path: str) -> Usd.Stage:
     errors = [e for e in stage.GetCompositionErrors() if not materialx_file(e)]
     if errors:
         raise InputError(_composition_failure(path, errors))
+    refuse_lost_clips(said, stage, path)
     return stage
 
 

@@ -12,6 +12,7 @@ from pxr import Usd
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.snapshot import Shape
+from irt_usd.stage.transforms import Node
 from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ class QuadricShape(Shape):
         lengths = [cast("float", self.attributes[name]) for name in LENGTHS[kind]]
         if kind == "Sphere":
             return _core.Quadric.sphere(*lengths)
+        if kind == "Capsule" and self.attributes["height"] == 0:
+            return _core.Quadric.sphere(lengths[0])
         if kind == "Cube":
             return _core.Quadric.cube(*lengths)
         if kind == "Plane":
@@ -66,15 +69,15 @@ class QuadricShape(Shape):
 class QuadricSource:
     """Reads one solid."""
 
-    def __init__(self, prim: Usd.Prim, report: Report) -> None:
+    def __init__(self, node: Node, report: Report) -> None:
         self._report = report
-        self._kind = str(prim.GetTypeName())
+        self._kind = str(node.prim.GetTypeName())
         names = LENGTHS[self._kind]
         if self._kind not in ("Sphere", "Cube"):
             names = (*names, "axis")
         if self._kind == "Plane":
             names = (*names, "doubleSided")
-        self._attributes = Attributes(prim, names, report)
+        self._attributes = Attributes(node.prim, names, report, node.in_clips)
         self._shape: Shape | None = None
         self._first = True
 
@@ -98,7 +101,8 @@ class QuadricSource:
                 wanted = f"the {name} is {length}; expected a positive finite number"
                 self._report.skipped(wanted, where(prim, name, time))
                 return None
-            if length == 0:
+            is_ball = self._kind == "Capsule" and name == "height"
+            if length == 0 and not is_ball:
                 self._report.mentioned("of no size, so not there", where(prim, name, time))
                 return None
         if values.get("axis", "Z") not in _ROW_OF_CORE_AXIS:

@@ -24,7 +24,7 @@ from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.open import materialx_file
 from irt_usd.stage.quadrics import QuadricSource
-from irt_usd.stage.settings import settings_size
+from irt_usd.stage.settings import PURPOSES, settings_size
 from irt_usd.stage.snapshot import (
     CameraState,
     LightState,
@@ -55,7 +55,7 @@ class ReadOptions:
     """
 
     camera: str | None = None
-    purposes: tuple[str, ...] = ("default", "render")
+    purposes: tuple[str, ...] = PURPOSES
     camera_light: bool = True
     size: tuple[int, int] | None = None
 
@@ -101,7 +101,7 @@ class ShotReader:
         self._report = report
         if not frames:
             raise InputError(f"{self._file}: no frames to read; give a range that holds some")
-        with usd_diagnostics(report, self._file):
+        with usd_diagnostics(report, stage, self._file):
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
@@ -142,7 +142,10 @@ class ShotReader:
         What is wrong with single prims goes to the report. Raises InputError on a camera that
         shows nothing, and on files that USD can no longer read.
         """
-        with self._report.at_frame(time), usd_diagnostics(self._report, self._file):
+        with (
+            self._report.at_frame(time),
+            usd_diagnostics(self._report, self._stage, self._file),
+        ):
             code = Usd.TimeCode(time)
             self._hierarchy.update(code)
             self._snapshot = self._next(code, self._snapshot)
@@ -150,7 +153,7 @@ class ShotReader:
 
     def camera_position(self, time: Usd.TimeCode) -> Vector:
         """Where the camera is at `time`, in world space, finite or not."""
-        with usd_diagnostics(self._report, self._file):
+        with usd_diagnostics(self._report, self._stage, self._file):
             return self._camera.position(time)
 
     def _next(self, time: Usd.TimeCode, old: Snapshot | None) -> Snapshot:
@@ -202,7 +205,7 @@ class ShotReader:
                 name = self._display_material(node)
             is_mesh = node.prim.GetTypeName() == "Mesh"
             kind: type[MeshSource | QuadricSource] = MeshSource if is_mesh else QuadricSource
-            shape = attempt(lambda: kind(node.prim, self._report), node.prim, self._report)  # noqa: B023
+            shape = attempt(lambda: kind(node, self._report), node.prim, self._report)  # noqa: B023
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report))
         return sources
@@ -228,15 +231,20 @@ class ShotReader:
         return usd_errors(f"{self._file}: the camera {self.camera_path}")
 
     def _find_size(self, options: ReadOptions, time: Usd.TimeCode) -> tuple[int, int]:
-        size = options.size or settings_size(self._stage, self._report)
-        if size is None:
+        authored = settings_size(self._stage, self._report)
+        if options.size is not None:
+            size, origin = options.size, "the size asked for"
+        elif authored is not None:
+            size, origin = authored, "the render settings' resolution"
+        else:
             aspect = self._camera.aspect(time)
             size = (_DEFAULT_WIDTH, max(1, int(_DEFAULT_WIDTH / aspect)))
+            origin = f"the apertures of {self.camera_path}"
         width, height = size
         if not (1 <= width <= _MAX_SIDE and 1 <= height <= _MAX_SIDE):
             raise InputError(
-                f"{self._file}: an image of {width}x{height} pixels;"
-                f" expected 1 to {_MAX_SIDE} a side"
+                f"{self._file}: {origin}: an image of {width:.9g}x{height:.9g} pixels;"
+                f" expected 1 to {_MAX_SIDE} a side; mend it or give --size"
             )
         return width, height
 

@@ -1,9 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the stage's own render settings (UsdRenderSettings) say of the shot."""
 
+from typing import cast
+
+import numpy as np
 from pxr import Usd, UsdRender
 
 from irt_usd.report import Report
+from irt_usd.stage.attributes import Attributes
+
+PURPOSES = ("default", "render")
+"""UsdGeom's purposes that are rendered, as UsdRenderSettings has it by default."""
+
+_NAMES = ("resolution", "pixelAspectRatio", "dataWindowNDC", "includedPurposes")
 
 
 def settings_camera(stage: Usd.Stage) -> str | None:
@@ -20,14 +29,22 @@ def settings_size(stage: Usd.Stage, report: Report) -> tuple[int, int] | None:
     """
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
     if not settings:
+        path = stage.GetMetadata("renderSettingsPrimPath")
+        if path:
+            message = "the stage's renderSettingsPrimPath names no RenderSettings prim"
+            report.skipped(message, str(path))
         return None
     path = str(settings.GetPath())
-    if settings.GetPixelAspectRatioAttr().Get() != 1:
+    attributes = Attributes(settings.GetPrim(), _NAMES, report)
+    attributes.update(Usd.TimeCode.EarliestTime())
+    values = attributes.values
+    if values["pixelAspectRatio"] != 1:
         report.unsupported("pixels that are not square", path)
-    if tuple(settings.GetDataWindowNDCAttr().Get()) != (0, 0, 1, 1):
+    if values["dataWindowNDC"] != (0, 0, 1, 1):
         report.unsupported("render settings' dataWindowNDC (the whole frame rendered)", path)
-    resolution = settings.GetResolutionAttr()
-    if not resolution.HasAuthoredValue():
+    if set(map(str, np.ravel(values["includedPurposes"]))) != set(PURPOSES):  # type: ignore[arg-type]
+        kind = f"render settings' includedPurposes ({' and '.join(PURPOSES)} rendered)"
+        report.unsupported(kind, path)
+    if not settings.GetResolutionAttr().HasAuthoredValue():
         return None
-    width, height = resolution.Get()
-    return int(width), int(height)
+    return cast("tuple[int, int]", values["resolution"])

@@ -23,10 +23,12 @@ class Topology:
 
     def __init__(self, counts: Value, indices: Value, holes: Value) -> None:
         self._source = (counts, indices, holes)
-        self._all_counts = _integers("faceVertexCounts", counts)
-        self._all_indices = _integers("faceVertexIndices", indices)
+        self._all_counts = integers("faceVertexCounts", counts)
+        self._all_indices = integers("faceVertexIndices", indices)
         if len(self._all_counts) and self._all_counts.min() < 0:
-            raise TopologyError("faceVertexCounts", "a face vertex count is negative")
+            raise TopologyError(
+                "faceVertexCounts", "a face vertex count is negative; expected 3 or more"
+            )
         corners = int(self._all_counts.sum(dtype=np.int64))
         if corners != len(self._all_indices):
             raise TopologyError(
@@ -52,7 +54,8 @@ class Topology:
         if low < 0 or high >= point_count:
             raise TopologyError(
                 "faceVertexIndices",
-                f"index {low if low < 0 else high} names none of the {point_count} points",
+                f"index {low if low < 0 else high} names none of the {point_count} points;"
+                f" expected 0 to {point_count - 1}",
             )
 
     def degenerate_faces(self, points: NDArray[np.float32]) -> int:
@@ -106,16 +109,20 @@ class Topology:
     def _without_holes(self, holes: Value) -> NDArray[np.bool_] | None:
         if holes is None or (isinstance(holes, np.ndarray) and len(holes) == 0):
             return None
-        faces = _integers("holeIndices", holes)
+        faces = integers("holeIndices", holes)
         if faces.min() < 0 or faces.max() >= len(self._all_counts):
-            message = f"an index names none of the {len(self._all_counts)} faces"
+            message = f"an index names none of the faces; expected 0 to {len(self._all_counts) - 1}"
             raise TopologyError("holeIndices", message)
         kept = np.ones(len(self._all_counts), dtype=np.bool_)
         kept[faces] = False
         return kept
 
 
-def _integers(attribute: str, value: Value) -> NDArray[np.int32]:
+def integers(attribute: str, value: Value) -> NDArray[np.int32]:
+    """`value` as int32. Raises TopologyError unless it is an array of integers that fit."""
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "iu" or value.ndim != 1:
-        raise TopologyError(attribute, f"the {attribute} are no array of integers")
-    return np.ascontiguousarray(value, dtype=np.int32)
+        raise TopologyError(attribute, f"the {attribute} are no array of integers; expected int[]")
+    array = np.ascontiguousarray(value, dtype=np.int32)
+    if value.dtype != np.int32 and (array != value).any():
+        raise TopologyError(attribute, f"the {attribute} hold numbers beyond 32 bits")
+    return array

@@ -11,7 +11,7 @@ from struct import Struct
 from pxr import Gf, Tf, Usd, UsdGeom
 
 from irt_usd.report import Report
-from irt_usd.stage.attributes import prim_location, where
+from irt_usd.stage.attributes import authored_properties, prim_location, where
 from irt_usd.stage.diagnostics import error_lines, unreadable
 
 _AFFINE_TOLERANCE = 1e-9
@@ -35,6 +35,7 @@ class Node:
 
     __slots__ = (
         "display_primvars",
+        "in_clips",
         "local",
         "moved",
         "moves",
@@ -73,7 +74,10 @@ class Node:
         self.needed = False
         self.display_primvars: bool = parent.display_primvars if parent else False
         self.skinned: bool = parent.skinned if parent else False
-        self._read_authored(frozenset(prim.GetAuthoredPropertyNames()))
+        self.in_clips: bool = prim.HasAuthoredMetadata("clips") or (
+            parent.in_clips if parent else False
+        )
+        self._read_authored(authored_properties(prim, self.in_clips))
 
     def _read_authored(self, authored: frozenset[str]) -> None:
         prim = self.prim
@@ -91,7 +95,10 @@ class Node:
                 self.own_visible = query.Get(Usd.TimeCode.EarliestTime()) != "invisible"
                 self.visible = self.visible and self.own_visible
         if "purpose" in authored and prim.IsA(UsdGeom.Imageable):
-            self.purpose = str(prim.GetAttribute("purpose").Get(Usd.TimeCode.EarliestTime()))
+            purpose = prim.GetAttribute("purpose")
+            value = purpose.Get(Usd.TimeCode.EarliestTime())
+            if purpose.HasAuthoredValue() and isinstance(value, str):
+                self.purpose = value
         if "primvars:displayColor" in authored or "primvars:displayOpacity" in authored:
             self.display_primvars = True
         if "primvars:skel:jointIndices" in authored or "skel:blendShapes" in authored:
