@@ -288,29 +288,39 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
         cells.emplace_back(shading, intersector, plan, history_->table, history_->cells[k],
                            history_->lists[k]);
     }
-    const auto each_cell = [&](auto&& body) {
-        cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
-            Stopwatch watch;
-            body(static_cast<std::size_t>(group.front()), watch);
-        });
+    const auto write = [&](std::size_t k) {
+        Stopwatch watch;
+        // Where lights moved, every sample that sees anything was walked.
+        write_pixels(k, cells[k], plan.lights_differ && !plan.lights_moved);
+        reports[k].film = watch.lap();
+        reports[k].counts = cells[k].counts();
     };
-    each_cell([&](std::size_t k, Stopwatch& watch) {
+    if (film_.has(film::Aov::Retraced)) film_.clear_retraced();
+    std::atomic<int> heavy_count = 0;
+    std::array<bool, cells::cell_count> heavy{};
+    cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
+        const auto k = static_cast<std::size_t>(group.front());
+        Stopwatch watch;
         if (plan.lights_differ) cells[k].keep_lights();
         if (shading.emits() && !history_->cells[k].emits) history_->cells[k].start_emission();
         cells[k].detect();
         reports[k].detect = watch.lap();
+        heavy[k] = cost_model &&
+                   (plan.lights_moved ||
+                    static_cast<double>(cells[k].counts().flagged) >
+                        update::least_flagged * static_cast<double>(history_->cells[k].rays()));
+        if (heavy[k]) {
+            ++heavy_count;
+            return;
+        }
+        run(cells[k], reports[k]);
+        write(k);
     });
+    if (heavy_count == 0) return true;
 
     // All cells hold alike, so that one tells what all will cost (paper, section 5).
     const auto pilot = static_cast<std::size_t>(order.front());
-    std::uint64_t flagged = 0, rays = 0;
-    for (std::size_t k = 0; k < cells::cell_count; ++k) {
-        flagged += cells[k].counts().flagged;
-        rays += history_->cells[k].rays();
-    }
-    const bool piloted =
-        cost_model && (plan.lights_moved || static_cast<double>(flagged) >
-                                                update::least_flagged * static_cast<double>(rays));
+    const bool piloted = heavy_count == cells::cell_count;
     if (piloted) {
         run(cells[pilot], reports[pilot]);
         if (update::work(cells[pilot].counts()) >
@@ -319,14 +329,11 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
             return false;
         }
     }
-    if (film_.has(film::Aov::Retraced)) film_.clear_retraced();
-    each_cell([&](std::size_t k, Stopwatch& watch) {
+    cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
+        const auto k = static_cast<std::size_t>(group.front());
+        if (!heavy[k]) return;
         if (!(piloted && k == pilot)) run(cells[k], reports[k]);
-        watch.lap();
-        // Where lights moved, every sample that sees anything was walked.
-        write_pixels(k, cells[k], plan.lights_differ && !plan.lights_moved);
-        reports[k].film = watch.lap();
-        reports[k].counts = cells[k].counts();
+        write(k);
     });
     return true;
 }

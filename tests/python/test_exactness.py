@@ -274,3 +274,32 @@ def test_retraced_rays_are_told_by_pixel() -> None:
         films[threads] = counts
         state = scenes.glass_before_floor()
     assert films[1] == films[2]
+
+
+@given(edits=scenes.shot)
+@settings(max_examples=60, deadline=None)
+def test_the_cost_model_does_not_show(edits: list[list[tuple[Any, ...]]]) -> None:
+    state = scenes.initial()
+    renderer = scenes.renderer(40, 32, cost_model=True)
+    renderer.update(state.fresh())
+    for frame in edits:
+        done = renderer.update(state.apply(frame))
+        assert done["restart"] is None or done["restart"].startswith("cost")
+        judge = scenes.renderer(40, 32, history=False)
+        judge.update(state.fresh())
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+
+
+def test_restarts_wait_longer_each_time() -> None:
+    """Everything moves in every frame: few of them record, and none twice in a row."""
+    state = scenes.initial()
+    state.apply([("object", "/b", _core.Quadric.sphere(2.5), scenes.floor(1.0), "/mirror")])
+    renderer = scenes.renderer(64, 48, cost_model=True)
+    renderer.update(state.fresh())
+    recorded = []
+    for frame in range(40):
+        done = renderer.update(state.apply([("move", "/b", scenes.floor(1.1 - 0.1 * (frame % 2)))]))
+        assert done["restart"].startswith("cost")
+        recorded.append(done["history"]["all_bytes"] > 0)
+    assert recorded[0] is False
+    assert 2 <= sum(recorded) <= 4

@@ -49,8 +49,8 @@ void for_each_group(int threads, int groups, const CellOrder& order,
 }
 
 void for_each_range(int threads, int count, const std::function<void(int begin, int end)>& body) {
-    oneapi::tbb::task_arena arena(thread_count(threads));
-    const int grain = std::max(1, count / (8 * thread_count(threads)));
+    oneapi::tbb::task_arena arena(arena_slots(threads));
+    const int grain = std::max(1, count / (8 * arena_slots(threads)));
     arena.execute([&] {
         oneapi::tbb::parallel_for(
             oneapi::tbb::blocked_range<int>(0, count, static_cast<std::size_t>(grain)),

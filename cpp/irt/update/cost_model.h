@@ -9,13 +9,13 @@
 
 namespace irt::update {
 
-/// Work in units of a full trace's cost for each of its rays, shading and film included. The
-/// weights were fitted to `irt bench paper` (docs/measurements.md, "Cost model").
+/// Work in units of a full trace's cost for each of its rays, shading and film included. A new ray
+/// costs its place in the history, too. The weights were fitted to shots/paper with 2 to 100 % of
+/// its objects moved (docs/measurements.md, "Cost model").
 [[nodiscard]] inline double work(const UpdateCounts& counts) {
-    return 0.75 * static_cast<double>(counts.rays.rays()) +
-           0.6 * static_cast<double>(counts.rays.shadings) +
-           0.2 * static_cast<double>(counts.tested) +
-           0.15 * static_cast<double>(counts.nodes_traversed);
+    return 0.55 * static_cast<double>(counts.rays.rays()) +
+           1.1 * static_cast<double>(counts.rays.shadings) +
+           2.2 * static_cast<double>(counts.new_rays) + 0.17 * static_cast<double>(counts.tested);
 }
 
 /// Updates that flag fewer of all rays are not looked at: they cannot cost more than a full trace.
