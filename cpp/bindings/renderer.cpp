@@ -36,7 +36,8 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
                                         const std::optional<std::array<double, 3>>& render_origin,
                                         const std::string& isa, int threads, bool history,
                                         bool cost_model,
-                                        const std::optional<cells::CellOrder>& cell_order) {
+                                        const std::optional<cells::CellOrder>& cell_order,
+                                        std::shared_ptr<Foreseen> foreseen) {
     RendererOptions options;
     const M44d& m = camera.world_from_camera;
     options.render_origin = render_origin ? vec3d(*render_origin) : V3d(m[3][0], m[3][1], m[3][2]);
@@ -44,6 +45,7 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
     options.threads = threads;
     options.history = history;
     options.cost_model = cost_model;
+    options.foreseen = std::move(foreseen);
     if (cell_order) {
         std::array<bool, cells::cell_count> seen{};
         for (const int cell : *cell_order) {
@@ -179,11 +181,15 @@ void bind_renderer(py::module_& module) {
              py::arg("throughput_cutoff") = d.shade.throughput_cutoff,
              py::arg("mirror_roughness") = d.shade.mirror_roughness,
              py::arg("aovs") = std::vector<std::string>{});
+    py::class_<Foreseen, std::shared_ptr<Foreseen>>(module, "Foreseen")
+        .def(py::init<const ChangeSet&>(), py::arg("initial"))
+        .def("add", &Foreseen::add, py::arg("changes"));
     py::class_<Renderer>(module, "Renderer")
         .def(py::init(&make_renderer), py::arg("camera"), py::arg("settings"), py::kw_only(),
              py::arg("render_origin") = py::none(), py::arg("isa") = "avx2", py::arg("threads") = 0,
              py::arg("history") = true, py::arg("cost_model") = true,
-             py::arg("cell_order") = py::none())
+             py::arg("cell_order") = py::none(),
+             py::arg("foreseen") = py::none())
         .def(
             "update",
             [](Renderer& renderer, const ChangeSet& changes, const std::optional<Camera>& camera,

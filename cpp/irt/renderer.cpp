@@ -64,7 +64,10 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     report.bvh_seconds = watch.lap();
 
     report.traced = true;
-    if (was_current && !camera_changed && view_.has_history()) {
+    const bool foreseen =
+        !options_.foreseen || first || options_.foreseen->covers(scene_, applied, old_lights);
+    if (!foreseen) options_.foreseen = nullptr;
+    if (was_current && !camera_changed && foreseen && view_.has_history()) {
         const update::Plan plan =
             update::make_plan(scene_, intersector_, view_.grid(), applied, old_boxes, old_lights);
         report.plan_seconds = watch.lap();
@@ -80,13 +83,18 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     } else if (!first) {
         report.restart = camera_changed      ? "camera changed"
                          : !was_current      ? "the last update did not end"
+                         : !foreseen         ? "something changed that was not foreseen"
                          : !options_.history ? "no history is kept"
                                              : "cost: no history was recorded";
     }
     if (!film_is_current_) {
         const bool record = options_.history && keep_history && backoff_.record();
-        film_is_current_ = (view_.*(record ? &View::trace_and_record : &View::trace_all))(
-            scene_, intersector_, options_.threads, options_.cell_order, control, report.cells);
+        film_is_current_ =
+            record ? view_.trace_and_record(scene_, intersector_, options_.foreseen.get(),
+                                            options_.threads, options_.cell_order, control,
+                                            report.cells)
+                   : view_.trace_all(scene_, intersector_, options_.threads, options_.cell_order,
+                                     control, report.cells);
         report.stopped = !film_is_current_;
     }
     report.trace_seconds = watch.lap();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct RendererOptions {
     /// Full traces take the place of updates that would cost more; false: never.
     bool cost_model = true;
     cells::CellOrder cell_order = cells::natural_order();
+    /// What can ever change; null: anything. An update that changes something else starts again.
+    std::shared_ptr<const Foreseen> foreseen;
 };
 
 /// What an update did. `restart` says why the update is an initial step, and is empty where it is

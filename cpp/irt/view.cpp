@@ -197,9 +197,9 @@ bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, 
     return true;
 }
 
-bool View::trace_and_record(const Scene& scene, const trace::Intersector& intersector, int threads,
-                            const cells::CellOrder& order, cells::Control& control,
-                            CellReports& reports) {
+bool View::trace_and_record(const Scene& scene, const trace::Intersector& intersector,
+                            const Foreseen* foreseen, int threads, const cells::CellOrder& order,
+                            cells::Control& control, CellReports& reports) {
     has_history_ = false;
     if (!history_) history_ = std::make_unique<History>();
     for (history::RayTrees& cell : history_->cells) cell = history::RayTrees();
@@ -210,7 +210,9 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
                                 static_cast<std::size_t>(settings_.height) *
                                 static_cast<std::size_t>(settings_.samples);
     history_->table.reset(history::VoxelGrid(history::crowded_box(std::move(boxes))),
-                          samples / samples_a_path);
+                          samples / samples_a_path, foreseen != nullptr);
+    std::optional<update::Reach> reach;
+    if (foreseen) reach = update::make_reach(*foreseen, scene, grid());
 
     const shade::Shading shading(scene, settings_.shade);
     const update::Plan nothing;
@@ -228,7 +230,7 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
         Stopwatch watch;
         record_group(group, control, cells, history_->blocks[blocks++], casts_shadows,
-                     shading.emits());
+                     shading.emits(), reach ? &*reach : nullptr);
         const double seconds = watch.lap() / static_cast<double>(group.size());
         for (const int cell : group) reports[static_cast<std::size_t>(cell)].trace = seconds;
     });
@@ -245,15 +247,18 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
 /// Records the cells of `group`: the first alone, which tells how much memory the others will take,
 /// for all cells hold alike (paper, section 5); then the others together.
 void View::record_group(cells::CellGroup group, cells::Control& control,
-                        std::vector<update::CellUpdate>& cells, History::Block& block,
-                        const std::vector<bool>& casts_shadows, bool emits) {
+                        std::vector<update::CellUpdate>& cells, history::BlockMemory& block,
+                        const std::vector<bool>& casts_shadows, bool emits,
+                        const update::Reach* reach) {
     const auto record = [&](std::size_t cell, int x, int y) {
         const auto first = static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
         const std::uint64_t before = cells[cell].counts().retraced;
+        const history::RayTrees::End end = history_->cells[cell].end();
         for (int s = 0; s < settings_.samples; ++s) cells[cell].trace_sample(primary_ray(x, y, s));
         back_.set(x, y, recorded_pixel(cells[cell], first));
         if (back_.has(film::Aov::Retraced))
             back_.set_retraced(x, y, cells[cell].counts().retraced - before);
+        if (reach) cells[cell].settle(first, end, *reach);
     };
     const auto trees = [&](int cell) -> history::RayTrees& {
         return history_->cells[static_cast<std::size_t>(cell)];
@@ -262,16 +267,12 @@ void View::record_group(cells::CellGroup group, cells::Control& control,
     trees(pilot) = history::RayTrees(casts_shadows, emits);
     for_each_pixel(settings_, group.first(1), control, record);
     const cells::CellGroup others = group.subspan(1);
-    const std::size_t size = others.size() * history::RayTrees::bytes_like(trees(pilot));
-    if (block.size < size) {
-        block.bytes = trace::huge_bytes(size);
-        block.size = size;
-    }
-    block.memory.emplace(block.bytes.get(), block.size);
+    block.open(others.size() * history::RayTrees::bytes_like(trees(pilot)));
     for (const int cell : others) {
-        trees(cell) = history::RayTrees(casts_shadows, emits, &*block.memory);
+        trees(cell) = history::RayTrees(casts_shadows, emits, &block);
         trees(cell).reserve_like(trees(pilot));
     }
+    block.seal();
     for_each_pixel(settings_, others, control, record);
 }
 

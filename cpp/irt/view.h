@@ -5,17 +5,16 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <memory_resource>
 #include <optional>
 #include <vector>
 
 #include "irt/cells/cells.h"
 #include "irt/film/film.h"
+#include "irt/history/block_memory.h"
 #include "irt/scene/scene.h"
 #include "irt/shade/recorder.h"
 #include "irt/shade/settings.h"
 #include "irt/shade/whitted.h"
-#include "irt/trace/huge_pages.h"
 #include "irt/trace/intersector.h"
 #include "irt/update/cell_update.h"
 
@@ -60,9 +59,10 @@ class View {
                    const cells::CellOrder& order, cells::Control& control, CellReports& reports);
 
     /// As trace_all, and keeps the history of every ray (the paper's initial step).
-    bool trace_and_record(const Scene& scene, const trace::Intersector& intersector, int threads,
-                          const cells::CellOrder& order, cells::Control& control,
-                          CellReports& reports);
+    /// `foreseen` may be null: then anything may change.
+    bool trace_and_record(const Scene& scene, const trace::Intersector& intersector,
+                          const Foreseen* foreseen, int threads, const cells::CellOrder& order,
+                          cells::Control& control, CellReports& reports);
 
     /// Brings film and history up to `plan` (the paper's incremental update step). Needs a history;
     /// runs to its end. False where `cost_model` finds a full trace cheaper: then the film stands,
@@ -93,20 +93,15 @@ class View {
 
   private:
     struct History {
-        /// Memory of the cells that one task recorded, on huge pages.
-        struct Block {
-            trace::HugeBytes bytes;
-            std::size_t size = 0;
-            std::optional<std::pmr::monotonic_buffer_resource> memory;
-        };
         history::PathTable table;
-        std::array<Block, cells::cell_count> blocks;  ///< by task; outlives the trees
+        std::array<history::BlockMemory, cells::cell_count> blocks;  ///< by task
         std::array<history::RayTrees, cells::cell_count> cells;
         std::array<update::CellLists, cells::cell_count> lists;
     };
     void record_group(cells::CellGroup group, cells::Control& control,
-                      std::vector<update::CellUpdate>& cells, History::Block& block,
-                      const std::vector<bool>& casts_shadows, bool emits);
+                      std::vector<update::CellUpdate>& cells, history::BlockMemory& block,
+                      const std::vector<bool>& casts_shadows, bool emits,
+                      const update::Reach* reach);
 
     template <class Sample>
     film::PixelValue pixel(Sample&& sample) const;

@@ -133,6 +133,14 @@ class ViewSettings:
 AOVS: tuple[str, ...]
 """depth, normal, position, albedo, objectId"""
 
+class Foreseen:
+    """What a shot says can ever change, and where."""
+
+    def __init__(self, initial: ChangeSet) -> None:
+        """`initial`: the change set that makes the shot's first frame from nothing."""
+    def add(self, changes: ChangeSet) -> None:
+        """A later frame's changes; to be called in the order of the frames."""
+
 class Renderer:
     """A scene and one view of it. Throws ValueError on records that cannot be rendered, naming the
     path; nothing is then applied."""
@@ -148,10 +156,13 @@ class Renderer:
         history: bool = True,
         cost_model: bool = True,
         cell_order: Sequence[int] | None = None,
+        foreseen: Foreseen | None = None,
     ) -> None:
         """`render_origin` (world) defaults to the camera's position. `threads` 0: all.
         `history` False: nothing is kept of rays, and every update that changes anything is a full
         trace. `cost_model` False: updates are never given up for full traces that would cost less.
+        `foreseen`: what can ever change, None: anything; of rays that nothing of it can reach no
+        history is kept, and an update that changes something else starts again.
         `cell_order`: a permutation of range(64), for tests."""
     def update(
         self,

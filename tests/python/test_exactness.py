@@ -303,3 +303,67 @@ def test_restarts_wait_longer_each_time() -> None:
         recorded.append(done["history"]["all_bytes"] > 0)
     assert recorded[0] is False
     assert 2 <= sum(recorded) <= 4
+
+
+@given(edits=scenes.shot, samples=st.sampled_from((1, 4)))
+@settings(max_examples=200, deadline=None)
+def test_a_shot_that_is_foreseen(edits: list[list[tuple[Any, ...]]], samples: int) -> None:
+    state = scenes.initial()
+    foreseen = _core.Foreseen(state.fresh())
+    changes = []
+    for frame in edits:
+        changes.append(state.apply(frame))
+        foreseen.add(changes[-1])
+    state = scenes.initial()
+    renderer = scenes.renderer(samples=samples, foreseen=foreseen)
+    renderer.update(state.fresh())
+    for frame in edits:
+        done = renderer.update(state.apply(frame))
+        assert done["restart"] is None
+        judge = scenes.renderer(samples=samples, history=False)
+        judge.update(state.fresh())
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+        assert done["all_rays"] == judge.update(_core.ChangeSet())["all_rays"]
+
+
+def test_what_was_not_foreseen_starts_again() -> None:
+    still = scenes.initial()
+    foreseen = _core.Foreseen(still.fresh())
+    foreseen.add(still.apply([("move", "/a", scenes.floor(1.1))]))
+    for edits in (
+        [("move", "/a", scenes.floor(1.2))],
+        [("move", "/floor", scenes.floor(0.1))],
+        [("bind", "/floor", "/mirror")],
+        [("material", "/red", _core.Material())],
+        [("dark", "/key")],
+        [("light", "/key", _core.Light.distant((0, -1, 0), (1, 1, 0.9)))],
+    ):
+        state = scenes.initial()
+        renderer = scenes.renderer(foreseen=foreseen)
+        renderer.update(state.fresh())
+        assert renderer.update(state.apply([("move", "/a", scenes.floor(1.1))]))["restart"] is None
+        done = renderer.update(state.apply(edits))
+        assert "foreseen" in done["restart"]
+        judge = scenes.renderer(history=False)
+        judge.update(state.fresh())
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+
+
+def test_what_nothing_can_reach_is_not_kept() -> None:
+    state = scenes.initial()
+    foreseen = _core.Foreseen(state.fresh())
+    dim = ("light", "/key", _core.Light.distant((0.3, -1, -0.2), (0.5, 0.5, 0.4)))
+    edits = [[("move", "/a", scenes.floor(1.01))], [dim]]
+    for frame in edits:
+        foreseen.add(state.apply(frame))
+    kept = []
+    for known in (None, foreseen):
+        state = scenes.initial()
+        renderer = scenes.renderer(160, 120, foreseen=known)
+        kept.append(renderer.update(state.fresh())["history"]["nodes"])
+        for frame in edits:
+            assert renderer.update(state.apply(frame))["restart"] is None
+        judge = scenes.renderer(160, 120, history=False)
+        judge.update(state.fresh())
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+    assert kept[1] < 0.5 * kept[0]

@@ -18,7 +18,7 @@ constexpr int most_probes = 64;
 
 }  // namespace
 
-void PathTable::reset(const VoxelGrid& grid, std::size_t entries) {
+void PathTable::reset(const VoxelGrid& grid, std::size_t entries, bool asks_reach) {
     grid_ = grid;
     const std::size_t capacity = std::max(least_capacity, std::bit_ceil(2 * entries));
     if (capacity != capacity_) {
@@ -29,6 +29,7 @@ void PathTable::reset(const VoxelGrid& grid, std::size_t entries) {
     for (std::size_t i = 0; i < capacity_; ++i)
         paths_[i].store(empty_place, std::memory_order_relaxed);
     flags_.assign(capacity_ / flag_block, 0);
+    reaches_.reset(asks_reach ? new std::atomic<std::uint8_t>[capacity_]() : nullptr);
 }
 
 PathIndex PathTable::intern(Path path) {
@@ -44,6 +45,16 @@ PathIndex PathTable::intern(Path path) {
         place = (place + 1) & static_cast<PathIndex>(capacity_ - 1);
     }
     return any_path;
+}
+
+bool PathTable::reaches(PathIndex index, const Regions& regions) {
+    if (index == any_path) return true;
+    std::uint8_t answer = reaches_[index].load(std::memory_order_relaxed);
+    if (answer == unknown) {
+        answer = regions.may_meet(path(index)) ? yes : no;
+        reaches_[index].store(answer, std::memory_order_relaxed);
+    }
+    return answer == yes;
 }
 
 void PathTable::clear_flags() {

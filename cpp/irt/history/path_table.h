@@ -22,8 +22,9 @@ inline constexpr PathIndex any_path = 1;
 
 class PathTable {
   public:
-    /// Empties the table and makes room for `entries` paths.
-    void reset(const VoxelGrid& grid, std::size_t entries);
+    /// Empties the table and makes room for `entries` paths; `asks_reach`: and for the answers of
+    /// `reaches`.
+    void reset(const VoxelGrid& grid, std::size_t entries, bool asks_reach);
 
     [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
 
@@ -41,6 +42,10 @@ class PathTable {
         return (flags_[index / flag_block] >> (index % flag_block) & 1) != 0;
     }
 
+    /// Whether the path at `index` may meet `regions`, which must be the same ones until the next
+    /// reset: the answer is kept. Callable from any thread.
+    [[nodiscard]] bool reaches(PathIndex index, const Regions& regions);
+
     /// The path at a place that is neither no_path nor any_path.
     [[nodiscard]] Path path(PathIndex index) const {
         return paths_[index].load(std::memory_order_relaxed);
@@ -56,6 +61,8 @@ class PathTable {
     std::size_t capacity_ = 0;  ///< a power of two, or 0
     unsigned shift_ = 32;
     std::unique_ptr<std::atomic<Path>[]> paths_;
+    enum Answer : std::uint8_t { unknown, no, yes };
+    std::unique_ptr<std::atomic<std::uint8_t>[]> reaches_;  ///< null: not to be asked
     std::vector<std::uint64_t> flags_;  ///< a bit a place
 };
 

@@ -17,6 +17,13 @@ void fetch_next(const Array<T>& v) {
     __builtin_prefetch(reinterpret_cast<const char*>(v.data() + v.size()) + 64, 1);
 }
 
+/// Appends, growing by an eighth: a history that doubled would hold as much in vain.
+template <class T>
+void append(Array<T>& v, const T& value) {
+    if (v.size() == v.capacity()) v.reserve(v.size() + v.size() / 8 + 64);
+    v.push_back(value);
+}
+
 /// Room for as many as the like has and a sixteenth more: cells hold alike to a few hundredths, and
 /// updates add a little.
 std::size_t room_like(std::size_t count) { return count + count / 16 + 64; }
@@ -33,7 +40,10 @@ RayTrees::RayTrees(const std::vector<bool>& casts_shadows, bool emission,
       behind(memory),
       material_bits(memory),
       emits(emission) {
-    for (std::size_t c = 0; c <= casts_shadows.size(); ++c) columns.emplace_back(memory);
+    for (std::size_t c = 0; c <= casts_shadows.size(); ++c) {
+        columns.emplace_back(memory);
+        settled.emplace_back();
+    }
     for (const bool shadows : casts_shadows) lights.emplace_back(shadows, memory);
 }
 
@@ -41,6 +51,7 @@ void RayTrees::start_emission() {
     emits = true;
     columns[0].own.assign(points.size(), V3f(0, 0, 0));
     columns[0].cumulative.assign(points.size(), V3f(0, 0, 0));
+    settled[0].assign(settled_count, V3f(0, 0, 0));
 }
 
 void RayTrees::reserve_like(const RayTrees& like) {
@@ -82,10 +93,10 @@ NodeIndex RayTrees::add_node() {
         free_nodes.pop_back();
         return node;
     }
-    nodes.emplace_back();
+    append(nodes, Node());
     nodes.back().point = no_point;
-    paths.push_back(no_path);
-    marks.push_back(0);
+    append(paths, no_path);
+    append(marks, std::uint8_t{0});
     fetch_next(nodes);
     fetch_next(paths);
     return static_cast<NodeIndex>(nodes.size() - 1);
@@ -95,19 +106,19 @@ PointIndex RayTrees::add_point(NodeIndex node) {
     PointIndex point;
     if (free_points.empty()) {
         point = static_cast<PointIndex>(points.size());
-        points.emplace_back();
-        behind.emplace_back();
-        material_bits.push_back(no_material_bit);
+        append(points, KeptPoint());
+        append(behind, HitBehind());
+        append(material_bits, no_material_bit);
         for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
-            columns[c].own.emplace_back();
-            columns[c].cumulative.emplace_back();
+            append(columns[c].own, V3f(0, 0, 0));
+            append(columns[c].cumulative, V3f(0, 0, 0));
             fetch_next(columns[c].own);
             fetch_next(columns[c].cumulative);
         }
         for (LightNodes& light : lights)
             if (light.casts_shadows) {
-                light.paths.push_back(no_path);
-                light.occlusions.emplace_back();
+                append(light.paths, no_path);
+                append(light.occlusions, trace::Occlusion());
                 fetch_next(light.paths);
                 fetch_next(light.occlusions);
             }
@@ -159,6 +170,33 @@ void RayTrees::set_hit(NodeIndex index, const trace::Hit& hit) {
         add_point(index);
 }
 
+void RayTrees::settle(SampleIndex first, const End& end) {
+    settled_rays += rays() - end.rays;
+    for (SampleIndex sample = first; sample < roots.size(); ++sample) {
+        const PointIndex point = nodes[roots[sample]].point;
+        for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c)
+            settled[c].push_back(point == no_point ? V3f(0, 0, 0) : columns[c].cumulative[point]);
+        roots[sample] = settled_bit | settled_count++;
+    }
+    for (LightNodes& light : lights) {
+        if (!light.casts_shadows) continue;
+        for (std::size_t p = end.points; p < points.size(); ++p)
+            shadow_rays -= light.paths[p] != no_path;
+        light.paths.resize(end.points);
+        light.occlusions.resize(end.points);
+    }
+    nodes.resize(end.nodes);
+    paths.resize(end.nodes);
+    marks.resize(end.nodes);
+    points.resize(end.points);
+    behind.resize(end.points);
+    material_bits.resize(end.points);
+    for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
+        columns[c].own.resize(end.points);
+        columns[c].cumulative.resize(end.points);
+    }
+}
+
 bool RayTrees::mark(NodeIndex node, std::uint8_t what) {
     const bool marked = marks[node] != 0;
     marks[node] |= what | mark_walk;
@@ -177,7 +215,8 @@ SampleIndex RayTrees::sample_of(NodeIndex node) const {
 }
 
 Sizes RayTrees::sizes() const {
-    std::size_t intensity = 0, light = 0;
+    std::size_t intensity = 0, light = 0, of_settled = 0;
+    for (const Array<V3f>& column : settled) of_settled += size_of(column);
     for (const Column& column : columns)
         intensity += size_of(column.own) + size_of(column.cumulative);
     for (const LightNodes& l : lights) light += size_of(l.paths) + size_of(l.occlusions);
@@ -187,7 +226,8 @@ Sizes RayTrees::sizes() const {
             {"intersections", size_of(behind)},
             {"masks", size_of(material_bits)},
             {"intensities", intensity},
-            {"light_nodes", light}};
+            {"light_nodes", light},
+            {"settled", of_settled}};
 }
 
 }  // namespace irt::history

@@ -23,6 +23,8 @@ inline constexpr std::uint32_t no_node = 0xffffffffu, no_point = 0xffffffffu;
 
 /// Set in Node::parent of a root; the other bits are then its sample.
 inline constexpr std::uint32_t root_bit = 0x80000000u;
+/// Set in RayTrees::roots for a settled sample; the other bits are then its place in `settled`.
+inline constexpr std::uint32_t settled_bit = 0x80000000u;
 
 /// A node: a ray, and what it sees, by name and distance. `weight` is the share with which its
 /// cumulative intensity joins its parent's; a root's is not read.
@@ -98,7 +100,12 @@ using Sizes = std::vector<std::pair<std::string_view, std::size_t>>;
 
 /// Parts of node i or point i stand at index i of their arrays.
 struct RayTrees {
-    Array<NodeIndex> roots;  ///< by sample of the cell
+    Array<NodeIndex> roots;  ///< by sample of the cell; or settled_bit and a place in `settled`
+    /// By column, as `columns`: cumulative intensities of settled samples, whose trees nothing in
+    /// the shot can change, and of which nothing else is kept (contract C5).
+    std::vector<Array<V3f>> settled;
+    std::uint32_t settled_count = 0;
+    std::uint64_t settled_rays = 0;  ///< rays of those trees
 
     Array<Node> nodes;
     Array<PathIndex> paths;     ///< hash indices; no_path: a free node
@@ -146,14 +153,26 @@ struct RayTrees {
     /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
     void set_hit(NodeIndex node, const trace::Hit& hit);
 
+    /// Where the arrays end now, and the rays in them.
+    struct End {
+        std::size_t nodes, points;
+        std::uint64_t rays;
+    };
+    [[nodiscard]] End end() const { return {nodes.size(), points.size(), rays()}; }
+    /// Keeps of the samples from `first` on, which were traced since `end`, their intensities alone.
+    /// Only where no node was freed since.
+    void settle(SampleIndex first, const End& end);
+
     /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
     bool mark(NodeIndex node, std::uint8_t what);
     [[nodiscard]] SampleIndex sample_of(NodeIndex node) const;
 
     [[nodiscard]] std::size_t node_count() const { return nodes.size() - free_nodes.size(); }
     [[nodiscard]] std::size_t point_count() const { return points.size() - free_points.size(); }
-    /// Rays the trees hold: one a node and one a light node.
-    [[nodiscard]] std::uint64_t rays() const { return node_count() + shadow_rays; }
+    /// Rays the samples are made of: one a node and one a light node.
+    [[nodiscard]] std::uint64_t rays() const {
+        return node_count() + shadow_rays + settled_rays;
+    }
     [[nodiscard]] Sizes sizes() const;
 };
 

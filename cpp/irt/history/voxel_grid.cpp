@@ -15,9 +15,6 @@ constexpr std::uint32_t voxel_mask = (1u << voxel_bits) - 1;
 /// not lie on voxel faces.
 constexpr double margin_below = 0.2236067977, margin_above = 0.2118033989;
 
-/// Most boxes of a set: beyond that they are fewer and coarser. Every path is tested against each.
-constexpr std::size_t most_boxes = 24;
-
 struct VoxelBox {
     Voxel lower, upper;
 };
@@ -94,7 +91,7 @@ trace::Box crowded_box(std::vector<trace::Box> boxes) {
     return crowd;
 }
 
-void Regions::add(const VoxelSet& set, const trace::Box& bounds) {
+void Regions::add(const VoxelSet& set, const trace::Box& bounds, std::size_t most_boxes) {
     outside_ = outside_ || set.outside();
     std::vector<VoxelBox> boxes = boxes_of(set);
     for (std::int32_t size = 2; boxes.size() > most_boxes; size *= 2)

@@ -67,8 +67,12 @@ class VoxelSet {
 /// Voxel sets as boxes, ready to be tested against many paths.
 class Regions {
   public:
-    /// Adds the voxels of `set`, cut to `bounds` (in voxels).
-    void add(const VoxelSet& set, const trace::Box& bounds);
+    /// Most boxes of a set, by default: beyond that they are fewer and coarser, for every path is
+    /// tested against each.
+    static constexpr std::size_t few_boxes = 24;
+
+    /// Adds the voxels of `set`, cut to `bounds` (in voxels), as at most `most_boxes` boxes.
+    void add(const VoxelSet& set, const trace::Box& bounds, std::size_t most_boxes = few_boxes);
 
     [[nodiscard]] bool empty() const { return !outside_ && boxes_.empty(); }
     /// Whether a segment of this path may meet one of the voxels.

@@ -86,6 +86,23 @@ void CellUpdate::trace_sample(const trace::Ray& primary) {
     combine();
 }
 
+void CellUpdate::settle(history::SampleIndex first, const history::RayTrees::End& end,
+                        const Reach& reach) {
+    if (reach.foreseen->lights_move()) return;
+    const auto reached = [&](history::PathIndex path) {
+        return path != no_path && table_.reaches(path, reach.regions);
+    };
+    if (std::any_of(trees_.paths.begin() + static_cast<std::ptrdiff_t>(end.nodes),
+                    trees_.paths.end(), reached))
+        return;
+    for (const history::LightNodes& light : trees_.lights)
+        if (light.casts_shadows &&
+            std::any_of(light.paths.begin() + static_cast<std::ptrdiff_t>(end.points),
+                        light.paths.end(), reached))
+            return;
+    trees_.settle(first, end);
+}
+
 // ---- detection (sections 2.3, 3.1, 4.2)
 
 void CellUpdate::keep_lights() {
@@ -490,11 +507,16 @@ void CellUpdate::count_query(NodeIndex node) {
 }
 
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
-    const PointIndex at = trees_.nodes[trees_.roots[sample]].point;
-    if (at == no_point) return {0, 0, 0};
-    V3d sum(trees_.emits ? trees_.columns[0].cumulative[at] : V3f(0, 0, 0));
+    const std::uint32_t root = trees_.roots[sample];
+    const bool settled = (root & history::settled_bit) != 0;
+    const std::uint32_t at = settled ? root & ~history::settled_bit : trees_.nodes[root].point;
+    if (!settled && at == no_point) return {0, 0, 0};
+    const auto cumulative = [&](std::size_t column) {
+        return V3d(settled ? trees_.settled[column][at] : trees_.columns[column].cumulative[at]);
+    };
+    V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);
     for (std::size_t l = 0; l < lights_.size(); ++l)
-        sum += V3d(lights_[l].record.energy) * V3d(trees_.columns[1 + l].cumulative[at]);
+        sum += V3d(lights_[l].record.energy) * cumulative(1 + l);
     return V3f(sum);
 }
 

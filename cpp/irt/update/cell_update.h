@@ -13,6 +13,7 @@
 #include "irt/shade/whitted.h"
 #include "irt/trace/intersector.h"
 #include "irt/update/plan.h"
+#include "irt/update/reach.h"
 
 namespace irt::update {
 
@@ -50,6 +51,9 @@ class CellUpdate {
 
     /// Traces the cell's next sample and keeps its tree.
     void trace_sample(const trace::Ray& primary);
+    /// Keeps of the samples from `first` on, traced since `end`, their intensities alone if nothing
+    /// in the shot can change any ray of theirs.
+    void settle(history::SampleIndex first, const history::RayTrees::End& end, const Reach& reach);
 
     // An update: these in turn.
 

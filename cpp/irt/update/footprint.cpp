@@ -124,7 +124,7 @@ struct OrientedBox {
 
 /// Voxels that no face of either box parts from `box`; those of the edges' cross products are not
 /// tried, which errs to the safe side.
-void add_box(const OrientedBox& box, VoxelSet& voxels) {
+void add_oriented_box(const OrientedBox& box, VoxelSet& voxels) {
     Range along[3]{};
     for (int a = 0; a < 3; ++a) {
         V3d unit(0);
@@ -184,7 +184,18 @@ void add_surface(const Surface& surface, const M44d* render_from_trace, const Vo
         bounds.lower[a] = std::min(bounds.lower[a], box.centre[a] - reach);
         bounds.upper[a] = std::max(bounds.upper[a], box.centre[a] + reach);
     }
-    add_box(box, voxels);
+    add_oriented_box(box, voxels);
+}
+
+}  // namespace
+
+void add_box(const trace::Box& box, const VoxelGrid& grid, VoxelSet& voxels) {
+    const V3d lower = grid.in_voxels(box.lower), upper = grid.in_voxels(box.upper);
+    const Range x = range(lower.x, upper.x, voxels), y = range(lower.y, upper.y, voxels),
+                z = range(lower.z, upper.z, voxels);
+    for (std::int32_t k = z.first; k <= z.last; ++k)
+        for (std::int32_t j = y.first; j <= y.last; ++j)
+            for (std::int32_t i = x.first; i <= x.last; ++i) voxels.add({i, j, k});
 }
 
 void add_object(const ObjectSlot& object, const VoxelGrid& grid, VoxelSet& voxels,
@@ -193,8 +204,6 @@ void add_object(const ObjectSlot& object, const VoxelGrid& grid, VoxelSet& voxel
     for (const Surface& part : object.prototype->surfaces)
         add_surface(part, &object.render_from_prototype, grid, voxels, bounds);
 }
-
-}  // namespace
 
 Footprints::Footprints(const VoxelGrid& grid, std::size_t objects)
     : grid_(grid), apart_(objects <= few) {}

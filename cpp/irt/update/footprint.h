@@ -7,6 +7,12 @@
 
 namespace irt::update {
 
+/// Adds the voxels that `box` (render space) meets.
+void add_box(const trace::Box& box, const history::VoxelGrid& grid, history::VoxelSet& voxels);
+/// Adds the voxels that the surface of `object` meets; widens `bounds` by its own, in voxels.
+void add_object(const ObjectSlot& object, const history::VoxelGrid& grid, history::VoxelSet& voxels,
+                trace::Box& bounds);
+
 /// Collects the voxels that objects' surfaces meet, each enlarged by VoxelGrid::dilation: triangles
 /// clipped to voxels; of a quadric, the voxels its oriented box meets. A superset, so that the path
 /// of every ray that hits an object meets the regions (DESIGN 3, rule 8).

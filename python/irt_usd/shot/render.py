@@ -42,7 +42,7 @@ def render_shot(
     However it ends, the frames traced by then are written whole, and the statistics tell of
     those. Raises InputError and MachineError.
     """
-    tracer = ShotTracer(shot, settings, output.history)
+    tracer = ShotTracer(shot, settings, frames, output.history)
     common = shot_metadata(shot, settings)
     writer = FrameWriter()
     written = _Written(shot.report, progress)

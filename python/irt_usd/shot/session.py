@@ -57,6 +57,13 @@ class Shot:
         """The files the stage is composed of."""
         return [Path(layer.realPath) for layer in self.stage.GetUsedLayers() if layer.realPath]
 
+    def reread(self) -> ShotReader:
+        """Another reader of the same frames, which reports to nobody."""
+        options = replace(self.options, camera=self.camera_path, size=self.size)
+        return ShotReader(
+            self.stage, _read_options(options), Report(), [float(frame) for frame in self.frames]
+        )
+
     def reopened(self, frame: Frame) -> "Shot":
         """The one frame as a shot of its own, read from a new opening of the stage.
 

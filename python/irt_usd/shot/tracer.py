@@ -2,7 +2,7 @@
 """Frames of a shot into films: read, diff, update."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,6 +10,7 @@ from irt_usd import _core, interrupt
 from irt_usd.changes import ChangeList, diff
 from irt_usd.errors import InputError, MachineError
 from irt_usd.images.exr import Film
+from irt_usd.shot.foresight import foresee
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
@@ -37,13 +38,21 @@ class TracedFrame:
 class ShotTracer:
     """Traces a shot's frames in the order asked for.
 
-    With history "full" one renderer is kept over the shot and told what changed; with "none"
-    every frame is a full trace by a new one.
+    With history "full" one renderer is kept over the shot and told what changed, in `frames`, the
+    only ones that will be asked for, in that order; with "none" every frame is a full trace by a
+    new one.
     """
 
-    def __init__(self, shot: Shot, settings: TraceSettings, history: History = "full") -> None:
+    def __init__(
+        self,
+        shot: Shot,
+        settings: TraceSettings,
+        frames: Sequence[Frame],
+        history: History = "full",
+    ) -> None:
         self._shot = shot
         self._settings = settings
+        self._frames = frames
         self._history = history
         self._renderer: _core.Renderer | None = None
         self._previous: Snapshot | None = None
@@ -111,7 +120,8 @@ class ShotTracer:
             if first:
                 self._renderer = self._new_renderer(camera)
             moved = camera if changes.camera and not first else None
-            return self.renderer.update(changes.core, moved, progress)
+            keep = self._history == "full" and self._next_can_use_history(frame)
+            return self.renderer.update(changes.core, moved, progress, keep_history=keep)
         except ValueError as error:
             raise InputError(
                 f"{self._shot.options.stage}: frame {format_frame(frame)} cannot be rendered:"
@@ -141,4 +151,14 @@ class ShotTracer:
             isa=settings.isa,
             threads=settings.threads,
             history=self._history == "full",
+            foreseen=foresee(self._shot, self._frames) if self._history == "full" else None,
         )
+
+    def _next_can_use_history(self, frame: Frame) -> bool:
+        """Whether there is a next frame, and the camera rests until then."""
+        index = self._frames.index(frame) + 1
+        if index == len(self._frames):
+            return False
+        all_frames = self._shot.frames
+        first, last = all_frames.index(frame) + 1, all_frames.index(self._frames[index]) + 1
+        return not any(f in self._shot.camera_moves for f in all_frames[first:last])

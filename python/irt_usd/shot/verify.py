@@ -133,11 +133,11 @@ def verify_shot(
     """
     width, height = shot.size
     verdict = Verdict(shot.size, min(brute_force_pixels, width * height))
-    tracer = ShotTracer(shot, settings)
+    tracer = ShotTracer(shot, settings, shot.frames)
     tell_notices(shot.report, progress)
     for frame in shot.frames:
         traced = tracer.trace(frame, partial(_show_half, progress, frame, 0.0))
-        judge = ShotTracer(shot.reopened(frame), settings, "none")
+        judge = ShotTracer(shot.reopened(frame), settings, (frame,), "none")
         fresh = judge.trace(frame, partial(_show_half, progress, frame, 0.5))
         film = tracer.film()
         brute_differing = _brute_force_differing(

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/update/reach.h"
+
+#include "irt/update/footprint.h"
+
+namespace irt::update {
+
+namespace {
+
+/// Boxes of the reach. Every distinct path is tested once only, so that they may be many.
+constexpr std::size_t most_boxes = 512;
+
+bool changes(const Foreseen& foreseen, const Scene& scene, const ObjectSlot& object) {
+    if (foreseen.object_changes(object.path)) return true;
+    const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
+    for (std::uint32_t part = 0; part < parts; ++part)
+        if (foreseen.material_changes(scene.materials()[object.part(part).material].name))
+            return true;
+    return false;
+}
+
+}  // namespace
+
+Reach make_reach(const Foreseen& foreseen, const Scene& scene, const history::VoxelGrid& grid) {
+    history::VoxelSet voxels;
+    trace::Box bounds{V3d(0), V3d(history::grid_side)};
+    for (const ObjectSlot& object : scene.objects())
+        if (object.live && changes(foreseen, scene, object))
+            add_object(object, grid, voxels, bounds);
+    for (const auto& [path, boxes] : foreseen.boxes())
+        for (const trace::Box& box : boxes)
+            add_box({box.lower - scene.render_origin(), box.upper - scene.render_origin()}, grid,
+                    voxels);
+    Reach reach{&foreseen, {}};
+    reach.regions.add(voxels, bounds, most_boxes);
+    return reach;
+}
+
+}  // namespace irt::update
