@@ -68,12 +68,16 @@ Shading::Shading(const Scene& scene, const Settings& settings)
 }
 
 VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit) const {
-    const trace::SurfacePoint surface = surface_point(scene_, ray, hit);
-    const double side = surface.front ? 1 : -1;
-    V3d direction(ray.direction);
-    direction /= std::sqrt(direction.dot(direction));
-    return {surface, responses_[surface.material], direction, surface.shading_normal * side,
-            surface.geometric_normal * side};
+    const Surface& surface = scene_.objects()[hit.object].part(hit.part);
+    VisiblePoint point{surface_point(scene_, ray, hit),
+                       responses_[surface.material],
+                       normalized(V3d(ray.direction)),
+                       {},
+                       {}};
+    const double side = point.surface.front ? 1 : -1;
+    point.shading = point.surface.shading_normal * side;
+    point.geometric = point.surface.geometric_normal * side;
+    return point;
 }
 
 FirstHit Shading::first_hit(const VisiblePoint& point, const trace::Hit& hit) const {
@@ -88,10 +92,10 @@ std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
     const V3d to_light = towards(point, light);
     const double squared = to_light.dot(to_light);
     if (!(squared > 0)) return std::nullopt;
-    const V3d unit = to_light / std::sqrt(squared);
+    const V3d unit = divided(to_light, std::sqrt(squared));
     if (!(point.geometric.dot(unit) > 0)) return std::nullopt;
     V3d response = reflected_share(point.response, point.shading, unit, -point.direction);
-    if (light.record.kind == LightKind::Point) response /= squared;
+    if (light.record.kind == LightKind::Point) response = divided(response, squared);
     if (V3f(response) == V3f(0, 0, 0)) return std::nullopt;
     LightSample sample{response, std::nullopt};
     if (!light.record.casts_shadows) return sample;
@@ -101,7 +105,7 @@ std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
 
 trace::Ray Shading::shadow_ray(const VisiblePoint& point, const LightSlot& light) const {
     const V3d to_light = towards(point, light);
-    return ray_towards(point, light, to_light / std::sqrt(to_light.dot(to_light)));
+    return ray_towards(point, light, normalized(to_light));
 }
 
 Spawned Shading::spawned(const VisiblePoint& point) const {

@@ -54,8 +54,7 @@ V3d unit_vector(const V3d& v) {
     // Scaled first: a tiny or huge normal must not vanish or overflow when squared.
     const double size = largest(v);
     if (!(size > 0) || !std::isfinite(size)) return {0, 0, 0};
-    const V3d scaled = v / size;
-    return scaled / scaled.length();
+    return normalized(divided(v, size));
 }
 
 struct Local {
