@@ -132,7 +132,8 @@ film::PixelValue View::pixel(Sample&& sample) const {
         value.albedo = first.albedo;
         value.object_id = first.id;
     }
-    for (int c = 0; c < 3; ++c) value.rgba[c] = static_cast<float>(sum[c] / settings_.samples);
+    const V3f mean(divided(sum, settings_.samples));
+    for (int c = 0; c < 3; ++c) value.rgba[c] = mean[c];
     value.rgba[3] = static_cast<float>(static_cast<double>(covered) / settings_.samples);
     return value;
 }

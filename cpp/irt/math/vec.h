@@ -44,6 +44,15 @@ inline V3d divided(const V3d& v, double s) {
     return {quotients[0], quotients[1], quotients[2]};
 }
 
+/// a / s and b / s, likewise.
+struct Quotients {
+    double a, b;
+};
+inline Quotients divided(double a, double b, double s) {
+    const __m128d q = _mm_div_pd(_mm_set_pd(b, a), _mm_set1_pd(s));
+    return {_mm_cvtsd_f64(q), _mm_cvtsd_f64(_mm_unpackhi_pd(q, q))};
+}
+
 /// `v` at unit length. Its square must neither vanish nor overflow.
 inline V3d normalized(const V3d& v) { return divided(v, std::sqrt(v.dot(v))); }
 
