@@ -188,8 +188,7 @@ void bind_renderer(py::module_& module) {
         .def(py::init(&make_renderer), py::arg("camera"), py::arg("settings"), py::kw_only(),
              py::arg("render_origin") = py::none(), py::arg("isa") = "avx2", py::arg("threads") = 0,
              py::arg("history") = true, py::arg("cost_model") = true,
-             py::arg("cell_order") = py::none(),
-             py::arg("foreseen") = py::none())
+             py::arg("cell_order") = py::none(), py::arg("foreseen") = py::none())
         .def(
             "update",
             [](Renderer& renderer, const ChangeSet& changes, const std::optional<Camera>& camera,

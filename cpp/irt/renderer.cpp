@@ -89,12 +89,12 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     }
     if (!film_is_current_) {
         const bool record = options_.history && keep_history && backoff_.record();
-        film_is_current_ =
-            record ? view_.trace_and_record(scene_, intersector_, options_.foreseen.get(),
-                                            options_.threads, options_.cell_order, control,
-                                            report.cells)
-                   : view_.trace_all(scene_, intersector_, options_.threads, options_.cell_order,
-                                     control, report.cells);
+        film_is_current_ = record
+                               ? view_.trace_and_record(scene_, intersector_,
+                                                        options_.foreseen.get(), options_.threads,
+                                                        options_.cell_order, control, report.cells)
+                               : view_.trace_all(scene_, intersector_, options_.threads,
+                                                 options_.cell_order, control, report.cells);
         report.stopped = !film_is_current_;
     }
     report.trace_seconds = watch.lap();

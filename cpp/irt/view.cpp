@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -53,28 +54,35 @@ std::vector<V2d> sample_pattern(int samples) {
     return offsets;
 }
 
-/// Calls `body(cell, x, y)` for every pixel of the cells in `group`, block by block of 8 by 8, so
-/// that neighbours follow each other; every cell's pixels come row by row. Counts a step a row of
-/// blocks; false if stopped.
+/// Calls `body(cell, x, y)` for the pixels of the cells in `group` in one row of blocks of 8 by 8,
+/// block by block, so that neighbours follow each other.
 template <class Body>
-bool for_each_pixel(const ViewSettings& settings, cells::CellGroup group, cells::Control& control,
-                    Body&& body) {
-    for (int block_y = 0; block_y < settings.height; block_y += cells::cell_stride) {
-        if (control.stop) return false;
-        for (int block_x = 0; block_x < settings.width; block_x += cells::cell_stride)
-            for (const int cell : group) {
-                const auto [dx, dy] = cells::cell_offset(cell);
-                const int x = block_x + dx, y = block_y + dy;
-                if (x < settings.width && y < settings.height)
-                    body(static_cast<std::size_t>(cell), x, y);
-            }
-        ++control.steps_done;
-    }
-    return true;
+void for_each_pixel_in_row(const ViewSettings& settings, cells::CellGroup group, int row,
+                           Body&& body) {
+    for (int block_x = 0; block_x < settings.width; block_x += cells::cell_stride)
+        for (const int cell : group) {
+            const auto [dx, dy] = cells::cell_offset(cell);
+            const int x = block_x + dx, y = row * cells::cell_stride + dy;
+            if (x < settings.width && y < settings.height)
+                body(static_cast<std::size_t>(cell), x, y);
+        }
 }
 
 int block_rows(const ViewSettings& settings) {
     return (settings.height + cells::cell_stride - 1) / cells::cell_stride;
+}
+
+/// Calls `body(cell, x, y)` for every pixel of the cells in `group`, row by row of blocks. Counts a
+/// step a row; false if stopped.
+template <class Body>
+bool for_each_pixel(const ViewSettings& settings, cells::CellGroup group, cells::Control& control,
+                    Body&& body) {
+    for (int row = 0; row < block_rows(settings); ++row) {
+        if (control.stop) return false;
+        for_each_pixel_in_row(settings, group, row, body);
+        ++control.steps_done;
+    }
+    return true;
 }
 
 }  // namespace
@@ -138,7 +146,8 @@ film::PixelValue View::pixel(Sample&& sample) const {
         value.albedo = first.albedo;
         value.object_id = first.id;
     }
-    for (int c = 0; c < 3; ++c) value.rgba[c] = static_cast<float>(sum[c] / settings_.samples);
+    const V3f mean(divided(sum, settings_.samples));
+    for (int c = 0; c < 3; ++c) value.rgba[c] = mean[c];
     value.rgba[3] = static_cast<float>(static_cast<double>(covered) / settings_.samples);
     return value;
 }
@@ -174,16 +183,22 @@ V3f View::recorded_color(const update::CellUpdate& cell, history::SampleIndex fi
 bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, int threads,
                      const cells::CellOrder& order, cells::Control& control, CellReports& reports) {
     const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade);
-    const int groups = std::min(cells::thread_count(threads), cells::cell_count);
-    control.steps = groups * block_rows(settings_);
-    cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
+    control.steps = block_rows(settings_);
+    std::mutex adding;
+    cells::for_each_task(threads, block_rows(settings_), [&](int row) {
+        if (control.stop) return;
         shade::Scratch scratch = whitted.make_scratch();
-        for_each_pixel(settings_, group, control, [&](std::size_t cell, int x, int y) {
+        std::array<shade::Counts, cells::cell_count> counts{};
+        for_each_pixel_in_row(settings_, order, row, [&](std::size_t cell, int x, int y) {
             scratch.counts = {};
             back_.set(x, y, traced_pixel(whitted, x, y, scratch));
             if (back_.has(film::Aov::Retraced)) back_.set_retraced(x, y, scratch.counts.rays());
-            reports[cell].counts.rays += scratch.counts;
+            counts[cell] += scratch.counts;
         });
+        ++control.steps_done;
+        const std::lock_guard lock(adding);
+        for (std::size_t cell = 0; cell < counts.size(); ++cell)
+            reports[cell].counts.rays += counts[cell];
     });
     if (control.stop) return false;
     // A full trace flags, retraces and changes every ray.
@@ -341,14 +356,14 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
 
 /// Flags the voxels' paths, on all threads.
 void View::flag_paths(const update::Plan& plan, int threads) {
-    constexpr std::size_t block = history::PathTable::flag_block;
+    constexpr std::size_t piece = 64 * history::PathTable::flag_block;
     history::PathTable& table = history_->table;
     table.clear_flags();
-    cells::for_each_range(threads, static_cast<int>(table.capacity() / block),
-                          [&](int begin, int end) {
-                              table.flag(plan.regions, static_cast<std::size_t>(begin) * block,
-                                         static_cast<std::size_t>(end) * block);
-                          });
+    const auto pieces = static_cast<int>((table.capacity() + piece - 1) / piece);
+    cells::for_each_task(threads, pieces, [&](int i) {
+        const std::size_t begin = static_cast<std::size_t>(i) * piece;
+        table.flag(plan.regions, begin, std::min(begin + piece, table.capacity()));
+    });
 }
 
 /// What follows detection in a cell, but for the film.

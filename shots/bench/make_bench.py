@@ -2,7 +2,8 @@
 """Writes the scenes of `irt bench trace`: python -m shots.bench.make_bench FOLDER.
 
 quadrics.usda: the paper's chess position, 144 quadrics. triangles.usdc: 32 turned pieces on bumpy
-ground, 1.3 million triangles. instances.usda: 500 native instances of a pawn and of a bishop.
+ground, 1.3 million triangles. pieces.usdc: the same coarsely, 207 thousand. instances.usda: 500
+native instances of a pawn and of a bishop.
 """
 
 import sys
@@ -28,17 +29,17 @@ from shots.paper.make_paper import chess
 SIZE = (640, 480)
 
 
-def triangles() -> Usd.Stage:
-    """32 pieces of 32,318 triangles and ground of 288,800, each piece a mesh of its own."""
+def triangles(segments: int, per_span: int, cells: int) -> Usd.Stage:
+    """32 turned pieces, each a mesh of its own, on ground of `cells` by `cells` quads."""
     stage = _lit_stage((26, 30, 44))
     clay = material(stage, "/World/materials/clay", (0.6, 0.5, 0.4), roughness=0.4)
     bind(UsdGeom.Xform.Define(stage, "/World/pieces").GetPrim(), clay)
-    piece = pieces.bishop_mesh(segments=160, per_span=5)
+    piece = pieces.bishop_mesh(segments, per_span)
     for i in range(32):
         prim = define_mesh(stage, f"/World/pieces/piece_{i:02}", piece, decimals=6)
         place = Gf.Vec3d((i % 8 - 3.5) * 5, 0.6, (i // 8 - 1.5) * 8)
         UsdGeom.Xformable(prim).AddTranslateOp().Set(place)
-    bind(define_mesh(stage, "/World/ground", bumpy_ground(380), decimals=6), clay)
+    bind(define_mesh(stage, "/World/ground", bumpy_ground(cells), decimals=6), clay)
     return stage
 
 
@@ -85,7 +86,8 @@ def _lit_stage(eye: tuple[float, float, float]) -> Usd.Stage:
 def main(folder: Path) -> None:
     """Write every scene into `folder`."""
     save(chess(lights=1), folder / "quadrics.usda")
-    save(triangles(), folder / "triangles.usdc")
+    save(triangles(160, 5, 380), folder / "triangles.usdc")
+    save(triangles(40, 4, 8), folder / "pieces.usdc")
     save(instances(), folder / "instances.usda")
 
 

@@ -76,7 +76,7 @@ def instance(name: str, x: float) -> str:
 def folder(tmp_path: Path) -> Path:
     """A scene of each kind, tiny."""
     instanced = MODEL + instance("a", -2) + instance("b", 1.5) + BALL.replace("Ball", "Own")
-    texts = {"quadrics": BALL, "triangles": FLOOR, "instances": instanced}
+    texts = {"quadrics": BALL, "triangles": FLOOR, "pieces": FLOOR, "instances": instanced}
     for name, text in texts.items():
         layer = Sdf.Layer.CreateAnonymous()
         layer.ImportFromString(HEAD + text)
@@ -158,7 +158,7 @@ def test_json_tells_what_was_measured(folder: Path, tmp_path: Path) -> None:
     written = json.loads(target.read_text())
     assert set(written) == {"machine", "isa", "repeats", "scenes", "peers"}
     assert written["repeats"] == 2
-    assert written["peers"] is None
+    assert written["peers"] == []
     assert [scene["scene"] for scene in written["scenes"]] == list(FILES)
     for scene in written["scenes"]:
         assert scene["size"] == [32, 24]

@@ -74,7 +74,7 @@ def test_paper_edits_are_undone_in_odd_frames() -> None:
 
 
 def test_benchmark_scenes_have_their_size() -> None:
-    triangles, parade = make_bench.triangles(), make_bench.instances()
+    triangles, parade = make_bench.triangles(160, 5, 380), make_bench.instances()
     meshes = [UsdGeom.Mesh(prim) for prim in triangles.Traverse() if prim.IsA(UsdGeom.Mesh)]
     corners = [len(mesh.GetFaceVertexIndicesAttr().Get()) for mesh in meshes]
     faces = [len(mesh.GetFaceVertexCountsAttr().Get()) for mesh in meshes]

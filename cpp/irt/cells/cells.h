@@ -40,13 +40,13 @@ using CellGroup = std::span<const int>;
 /// `threads` as asked for, or, where that is 0, all of the machine.
 int thread_count(int threads);
 
+/// Runs `body(task)` for each task from 0 to `count` - 1 on `threads` threads (0: all of the
+/// machine), every one in IEEE default floating-point state. A thread that is done takes the next.
+void for_each_task(int threads, int count, const std::function<void(int task)>& body);
+
 /// Splits the cells into `groups` of as equal a size as can be and runs `body(group)` for each on
-/// `threads` threads (0: all of the machine), every task in IEEE default floating-point state.
-/// Cells share no pixel and no tree.
+/// `threads` threads as tasks. Cells share no pixel and no tree.
 void for_each_group(int threads, int groups, const CellOrder& order,
                     const std::function<void(CellGroup group)>& body);
-
-/// Runs `body(begin, end)` over pieces of [0, count) on `threads` threads.
-void for_each_range(int threads, int count, const std::function<void(int begin, int end)>& body);
 
 }  // namespace irt::cells

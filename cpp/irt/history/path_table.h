@@ -63,7 +63,7 @@ class PathTable {
     std::unique_ptr<std::atomic<Path>[]> paths_;
     enum Answer : std::uint8_t { unknown, no, yes };
     std::unique_ptr<std::atomic<std::uint8_t>[]> reaches_;  ///< null: not to be asked
-    std::vector<std::uint64_t> flags_;  ///< a bit a place
+    std::vector<std::uint64_t> flags_;                      ///< a bit a place
 };
 
 }  // namespace irt::history

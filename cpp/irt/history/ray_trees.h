@@ -159,8 +159,8 @@ struct RayTrees {
         std::uint64_t rays;
     };
     [[nodiscard]] End end() const { return {nodes.size(), points.size(), rays()}; }
-    /// Keeps of the samples from `first` on, which were traced since `end`, their intensities alone.
-    /// Only where no node was freed since.
+    /// Keeps of the samples from `first` on, which were traced since `end`, their intensities
+    /// alone. Only where no node was freed since.
     void settle(SampleIndex first, const End& end);
 
     /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
@@ -170,9 +170,7 @@ struct RayTrees {
     [[nodiscard]] std::size_t node_count() const { return nodes.size() - free_nodes.size(); }
     [[nodiscard]] std::size_t point_count() const { return points.size() - free_points.size(); }
     /// Rays the samples are made of: one a node and one a light node.
-    [[nodiscard]] std::uint64_t rays() const {
-        return node_count() + shadow_rays + settled_rays;
-    }
+    [[nodiscard]] std::uint64_t rays() const { return node_count() + shadow_rays + settled_rays; }
     [[nodiscard]] Sizes sizes() const;
 };
 

@@ -20,8 +20,7 @@ void extend(trace::Box& box, const Geometry& geometry, const M44d& world_from_sh
         box.extend(centre - half);
         box.extend(centre + half);
     } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&geometry)) {
-        for (const V3f& p : (*mesh)->points)
-            box.extend(transform_point(world_from_shape, V3d(p)));
+        for (const V3f& p : (*mesh)->points) box.extend(transform_point(world_from_shape, V3d(p)));
     } else {
         for (const Part& part : std::get<std::shared_ptr<const Prototype>>(geometry)->parts)
             extend(box, part.geometry, part.prototype_from_part * world_from_shape);

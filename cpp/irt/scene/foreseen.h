@@ -22,8 +22,8 @@ class Foreseen {
     /// A later frame's changes; to be called in the order of the frames.
     void add(const ChangeSet& changes);
 
-    /// Whether `applied`, which led to `scene` from one under `old_lights`, changes nothing but what
-    /// was foreseen.
+    /// Whether `applied`, which led to `scene` from one under `old_lights`, changes nothing but
+    /// what was foreseen.
     [[nodiscard]] bool covers(const Scene& scene, const AppliedChanges& applied,
                               const std::vector<LightSlot>& old_lights) const;
 
@@ -36,7 +36,8 @@ class Foreseen {
     [[nodiscard]] bool material_changes(const std::string& name) const {
         return materials_.contains(name);
     }
-    /// World-space boxes of where changing objects will be, by path; where they are now not included.
+    /// World-space boxes of where changing objects will be, by path; where they are now not
+    /// included.
     [[nodiscard]] const std::map<std::string, std::vector<trace::Box>>& boxes() const {
         return boxes_;
     }

@@ -64,8 +64,7 @@ V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_l
                     const V3d& to_eye) {
     const double nl = normal.dot(to_light), ne = normal.dot(to_eye);
     if (!(nl > 0 && ne > 0)) return {0, 0, 0};
-    V3d half = to_light + to_eye;
-    half /= std::sqrt(half.dot(half));
+    const V3d half = normalized(to_light + to_eye);
     const double nh = std::min(normal.dot(half), 1.0);
     const double a2 = response.alpha * response.alpha;
     // GGX distribution, and Smith's height-correlated masking over 4 (n.l) (n.e).
@@ -104,14 +103,14 @@ Spawned spawn(const Response& response, const V3d& direction, const V3d& shading
             // Schlick takes the angle on the thinner side.
             if (eta > 1) f = fresnel(response, -bent.dot(shading));
             out.refract_weight = (one - f) * through;
-            out.refract_direction = bent / std::sqrt(bent.dot(bent));
+            out.refract_direction = normalized(bent);
         }
     }
     if (response.mirror || total) {
         out.reflect_weight = response.mirror ? f : one * through;
         V3d back = mirrored(direction, shading);
         if (back.dot(geometric) <= 0) back = mirrored(direction, geometric);
-        out.reflect_direction = back / std::sqrt(back.dot(back));
+        out.reflect_direction = normalized(back);
     }
     return out;
 }

@@ -34,10 +34,10 @@ V3d fresnel(const Response& response, double c);
 V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_light,
                     const V3d& to_eye);
 
-/// How a surface passes rays on. A weight of 0 spawns no ray.
+/// How a surface passes rays on. A weight of 0 spawns no ray, and its direction is not set.
 struct Spawned {
     V3d reflect_weight{0, 0, 0}, refract_weight{0, 0, 0};
-    V3d reflect_direction{0, 0, 0}, refract_direction{0, 0, 0};  ///< unit
+    V3d reflect_direction, refract_direction;  ///< unit
 };
 
 /// `direction` (unit) travels towards the surface; `shading` and `geometric` are unit normals on

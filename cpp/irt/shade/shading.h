@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "irt/scene/scene.h"
+#include "irt/shade/price.h"
 #include "irt/shade/response.h"
 #include "irt/shade/settings.h"
 #include "irt/trace/intersector.h"
@@ -81,10 +82,6 @@ class Shading {
 
 /// Share of light that passes along a shadow ray, by channel.
 V3d transmittance(const trace::Occlusion& occlusion);
-
-/// A branch's price: the integer ceil(-16 log2(largest channel of its weight)); weights of 0 have
-/// none. Sums of integers do not depend on where along a path they begin (DESIGN 3, rule 5).
-std::optional<std::int64_t> price(const V3f& weight);
 
 /// sum + weight * term, rounded once to single precision: how a branch joins its node.
 inline V3f add_scaled(const V3f& sum, const V3f& weight, const V3f& term) {

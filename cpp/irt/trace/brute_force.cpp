@@ -14,8 +14,8 @@ void for_each_hit(const Scene& scene, const Ray& ray, Found&& found) {
     for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
         const ObjectSlot& object = scene.objects()[slot];
         if (!object.live) continue;
-        const JudgeRay local =
-            object.prototype ? transform_ray(object.prototype_from_render, world) : world;
+        JudgeRay local = world;
+        if (object.prototype) transform_ray(object.prototype_from_render, world, local);
         const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
         for (std::uint32_t part = 0; part < parts; ++part) {
             const Surface& surface = object.part(part);

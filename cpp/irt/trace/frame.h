@@ -3,6 +3,8 @@
 // what Embree proposes to hold everything the judges would accept.
 #pragma once
 
+#include <immintrin.h>
+
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -40,9 +42,10 @@ struct Frame {
     [[nodiscard]] double pad() const { return box_pad * half; }
 };
 
-/// The ray handed to Embree: t there is (t - start) * scale.
+/// The ray handed to Embree: t there is (t - start) * scale. Each three numbers are followed by the
+/// zero that Embree keeps behind them (tnear, time), so that four are written and read at once.
 struct EmbreeRay {
-    float origin[3], direction[3];
+    __m128 origin, direction;
     double start = 0, scale = 1;
 
     /// Embree's limit for a search that has to find everything up to `t`.
@@ -77,13 +80,17 @@ inline bool anchor(const Frame& frame, const JudgeRay& ray, double t_limit, Embr
     out.scale = std::bit_cast<double>(bits);
     out.start = enter;
     const double unscale = 1 / out.scale;
-    for (int a = 0; a < 3; ++a) {
-        out.origin[a] =
-            static_cast<float>(std::fma(enter, ray.direction[a], ray.origin[a] - frame.centre[a]));
+    const auto origin = [&](int a) {
+        return static_cast<float>(
+            std::fma(enter, ray.direction[a], ray.origin[a] - frame.centre[a]));
+    };
+    const auto direction = [&](int a) {
         const double d = ray.direction[a] * unscale;
         constexpr auto least = static_cast<double>(direction_nudge);
-        out.direction[a] = static_cast<float>(std::fabs(d) < least ? std::copysign(least, d) : d);
-    }
+        return static_cast<float>(std::fabs(d) < least ? std::copysign(least, d) : d);
+    };
+    out.origin = _mm_set_ps(0, origin(2), origin(1), origin(0));
+    out.direction = _mm_set_ps(0, direction(2), direction(1), direction(0));
     return true;
 }
 

@@ -3,6 +3,8 @@
 // to be is in trees.cpp.
 #include "irt/trace/intersector.h"
 
+#include <cstddef>
+
 #include "irt/trace/candidate.h"
 #include "irt/trace/trees.h"
 
@@ -31,15 +33,10 @@ struct Query {
 Query& query_of(void* context) { return *reinterpret_cast<Query*>(context); }
 
 void load(const Query& query, float t_far, RTCRay& ray) {
-    const EmbreeRay& e = query.embree_ray;
-    ray.org_x = e.origin[0];
-    ray.org_y = e.origin[1];
-    ray.org_z = e.origin[2];
-    ray.tnear = 0;
-    ray.dir_x = e.direction[0];
-    ray.dir_y = e.direction[1];
-    ray.dir_z = e.direction[2];
-    ray.time = 0;
+    static_assert(offsetof(RTCRay, tnear) == offsetof(RTCRay, org_x) + 12 &&
+                  offsetof(RTCRay, time) == offsetof(RTCRay, dir_x) + 12);
+    _mm_store_ps(&ray.org_x, query.embree_ray.origin);
+    _mm_store_ps(&ray.dir_x, query.embree_ray.direction);
     ray.tfar = t_far;
     ray.mask = ~0u;
     ray.id = 0;
@@ -155,7 +152,7 @@ void occlude_quadric(const RTCOccludedFunctionNArguments* arguments) {
 /// The same ray in the prototype's space, ready to search its tree. False if it misses the box.
 bool enter_instance(const Shape& shape, const Query& outer, double t_limit, JudgeRay& local,
                     Query& inner) {
-    local = transform_ray(shape.prototype_from_trace, *outer.ray);
+    transform_ray(shape.prototype_from_trace, *outer.ray, local);
     if (!anchor(shape.group->frame, local, t_limit, inner.embree_ray)) return false;
     embree::init(inner.context);
     inner.scene = outer.scene;
@@ -202,10 +199,8 @@ bool aim(const Frame& frame, const Ray& ray, const JudgeRay& judged, EmbreeRay& 
     if (!(static_cast<double>(reach) <= frame.half && direction >= least_direction &&
           direction <= greatest_direction))
         return anchor(frame, judged, judged.t_max, out);
-    for (int a = 0; a < 3; ++a) {
-        out.origin[a] = ray.origin[a];
-        out.direction[a] = ray.direction[a];
-    }
+    out.origin = _mm_set_ps(0, ray.origin.z, ray.origin.y, ray.origin.x);
+    out.direction = _mm_set_ps(0, ray.direction.z, ray.direction.y, ray.direction.x);
     out.start = 0;
     out.scale = 1;
     return true;

@@ -48,12 +48,11 @@ inline Hit named_hit(const Scene& scene, const Ray& ray, const HitName& name) {
     Hit hit;
     if (name.object == none) return hit;
     const ObjectSlot& object = scene.objects()[name.object];
-    const JudgeRay world = judge_ray(ray);
+    JudgeRay judged = judge_ray(ray);
+    if (object.prototype) transform_ray(object.prototype_from_render, JudgeRay(judged), judged);
     hit.object = name.object;
     hit.part = name.part;
-    judge_primitive(object.part(name.part), name.primitive,
-                    object.prototype ? transform_ray(object.prototype_from_render, world) : world,
-                    hit);
+    judge_primitive(object.part(name.part), name.primitive, judged, hit);
     return hit;
 }
 

@@ -54,7 +54,7 @@ void clip_slab(Interval& in, const Line& l, int axis, double h, std::uint8_t low
         if (!(std::fabs(o) <= h)) in.clear();
         return;
     }
-    const double a = (-h - o) / d, b = (h - o) / d;
+    const auto [a, b] = divided(-h - o, h - o, d);
     if (d > 0)
         in.clip(a, low, b, high);
     else
@@ -72,7 +72,8 @@ void clip_tube(Interval& in, const Line& l, double r, std::uint8_t piece) {
     const double scaled = r * std::sqrt(a);
     const double discriminant = (scaled - cross) * (scaled + cross);
     if (!(discriminant >= 0)) return in.clear();
-    const double middle = -(l.o.x * l.d.x + l.o.y * l.d.y) / a, half = std::sqrt(discriminant) / a;
+    const auto [middle, half] =
+        divided(-(l.o.x * l.d.x + l.o.y * l.d.y), std::sqrt(discriminant), a);
     in.clip(middle - half, piece, middle + half, piece);
 }
 
@@ -86,7 +87,7 @@ void clip_ball(Interval& in, const Line& l, double z, double r, std::uint8_t pie
     const double distance = std::sqrt(cross.dot(cross)), scaled = r * std::sqrt(a);
     const double discriminant = (scaled - distance) * (scaled + distance);
     if (!(discriminant >= 0)) return in.clear();
-    const double middle = -o.dot(l.d) / a, half = std::sqrt(discriminant) / a;
+    const auto [middle, half] = divided(-o.dot(l.d), std::sqrt(discriminant), a);
     in.clip(middle - half, piece, middle + half, piece);
 }
 

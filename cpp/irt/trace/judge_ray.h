@@ -49,19 +49,18 @@ inline JudgeRay judge_ray(const Ray& ray) {
     return j;
 }
 
-/// `ray`, given in space b, in space a.
-inline JudgeRay transform_ray(const M44d& a_from_b, const JudgeRay& ray) {
+/// Makes `j` the ray `ray`, given in space b, in space a. In place: a copy as wide as registers, of
+/// what was just written number by number, would wait for the writes to leave for the cache.
+inline void transform_ray(const M44d& a_from_b, const JudgeRay& ray, JudgeRay& j) {
     const V3d origin(ray.origin[0], ray.origin[1], ray.origin[2]);
     const V3d direction(ray.direction[0], ray.direction[1], ray.direction[2]);
     const V3d o = transform_point(a_from_b, origin), d = transform_direction(a_from_b, direction);
-    JudgeRay j;
     for (int a = 0; a < 3; ++a) {
         j.origin[a] = o[a];
         j.direction[a] = d[a];
     }
     j.t_max = ray.t_max;
     set_shear(j);
-    return j;
 }
 
 }  // namespace irt::trace

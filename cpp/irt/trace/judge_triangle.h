@@ -161,7 +161,9 @@ inline bool judge_packet(const TrianglePacket& packet, const JudgeRay& ray, Pack
 /// Finishes the triangle of one bit of inside | alone, with the bits judge_triangle has.
 inline bool finish_lane(const TrianglePacket& packet, const JudgeRay& ray, const PacketHits& hits,
                         int side, int lane, TriangleHit& hit) {
-    const auto corner = [&](int k) { return (k + packet.turn(side, lane)) % 3; };
+    static constexpr int turned[] = {0, 1, 2, 0, 1};
+    const int turn = packet.turn(side, lane);
+    const auto corner = [&](int k) { return turned[turn + k]; };
     if ((hits.alone >> (4 * side + lane) & 1) != 0) {
         const auto point = [&](int k) {
             return packet.point(TrianglePacket::corner[side][corner(k)], lane);

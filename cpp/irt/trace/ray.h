@@ -24,13 +24,14 @@ struct Ray {
 /// (2^-24), so that no picture can tell; far above the denormals for any direction in use.
 inline constexpr float direction_nudge = 1e-15f;
 
-inline Ray make_ray(const V3f& origin, V3f direction,
+inline Ray make_ray(const V3f& origin, const V3f& direction,
                     float t_max = std::numeric_limits<float>::infinity()) {
     const float least = direction_nudge * std::max({std::fabs(direction.x), std::fabs(direction.y),
                                                     std::fabs(direction.z)});
-    for (int a = 0; a < 3; ++a)
-        if (std::fabs(direction[a]) < least) direction[a] = std::copysign(least, direction[a]);
-    return {origin, direction, t_max};
+    const auto nudged = [least](float d) {
+        return std::fabs(d) < least ? std::copysign(least, d) : d;
+    };
+    return {origin, {nudged(direction.x), nudged(direction.y), nudged(direction.z)}, t_max};
 }
 
 inline constexpr std::uint32_t none = 0xffffffffu;

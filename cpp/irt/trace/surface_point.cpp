@@ -54,8 +54,7 @@ V3d unit_vector(const V3d& v) {
     // Scaled first: a tiny or huge normal must not vanish or overflow when squared.
     const double size = largest(v);
     if (!(size > 0) || !std::isfinite(size)) return {0, 0, 0};
-    const V3d scaled = v / size;
-    return scaled / scaled.length();
+    return normalized(divided(v, size));
 }
 
 struct Local {
@@ -88,30 +87,27 @@ V3d authored_normal(const Triangles& triangles, const Hit& hit) {
     return {0, 0, 0};
 }
 
-Local on_triangle(const Surface& surface, const Hit& hit) {
+void on_triangle(const Surface& surface, const Hit& hit, Local& local) {
     const Triangles& triangles = *surface.triangles;
     const auto& v = triangles.triangles[hit.primitive];
     const V3d a(triangles.points[v[0]]), b(triangles.points[v[1]]), c(triangles.points[v[2]]);
-    Local local;
     local.point.position = a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v;
     local.point.error = step_error * std::max({largest(a), largest(b), largest(c)});
     local.geometric = (b - a).cross(c - a);
-    local.shading = transform_normal(surface.shape_from_trace, authored_normal(triangles, hit));
-    return local;
+    if (triangles.mesh->normals_interpolation != Interpolation::None)
+        local.shading = transform_normal(surface.shape_from_trace, authored_normal(triangles, hit));
 }
 
 /// `o` and `d`: the ray in trace space.
-Local on_solid(const Surface& surface, const Hit& hit, const V3d& o, const V3d& d) {
+void on_solid(const Surface& surface, const Hit& hit, const V3d& o, const V3d& d, Local& local) {
     const V3d p = transform_point(surface.shape_from_trace, o) +
                   transform_direction(surface.shape_from_trace, d) * hit.t;
     const ShapePoint on = on_quadric(surface.quadric, hit.piece, p);
     const Quadric& q = surface.quadric;
     const double size = std::max({largest(on.position), q.radius, q.height / 2});
-    Local local;
     local.point = transformed(surface.trace_from_shape, surface.shape_from_trace,
                               {on.position, step_error * size});
     local.geometric = transform_normal(surface.shape_from_trace, on.normal);
-    return local;
 }
 
 }  // namespace
@@ -121,14 +117,14 @@ SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit) {
     const Surface& surface = object.part(hit.part);
     Local local;
     if (surface.triangles) {
-        local = on_triangle(surface, hit);
+        on_triangle(surface, hit, local);
     } else {
         V3d o(ray.origin), d(ray.direction);
         if (object.prototype) {
             o = transform_point(object.prototype_from_render, o);
             d = transform_direction(object.prototype_from_render, d);
         }
-        local = on_solid(surface, hit, o, d);
+        on_solid(surface, hit, o, d, local);
     }
     if (object.prototype) {
         local.point =

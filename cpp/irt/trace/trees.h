@@ -42,14 +42,14 @@ struct Shape {
     std::uint32_t object = none;   ///< slot; `none` within a group
     std::uint32_t part = 0;
     bool active = true;  ///< false: the object has changed since; this shape only awaits a rebuild
+    bool single_sided = false;  ///< meshes
+
+    Quadric quadric;
+    M44d shape_from_trace;
 
     std::shared_ptr<const Triangles> triangles;  ///< meshes
     std::vector<Pair> order;
     PacketArray packets;
-    bool single_sided = false;
-
-    Quadric quadric;
-    M44d shape_from_trace;
 
     std::shared_ptr<const Group> group;  ///< instances
     M44d prototype_from_trace;

@@ -29,7 +29,7 @@ def machine() -> dict[str, Any]:
     }
 
 
-def figure_table(results: Sequence[TraceResult], peers: PeerResult | None) -> Table:
+def figure_table(results: Sequence[TraceResult], peers: Sequence[PeerResult]) -> Table:
     """Every ratio beside its floor and aim."""
     table = Table(title="Ratios: medians and ranges (higher is better)")
     for column in ("scene", "figure"):
@@ -39,12 +39,12 @@ def figure_table(results: Sequence[TraceResult], peers: PeerResult | None) -> Ta
     table.add_column("")
     for result in results:
         _add_figures(table, result.scene, result.figures)
-    if peers is not None:
-        _add_figures(table, peers.scene, peers.figures)
+    for peer in peers:
+        _add_figures(table, peer.scene, peer.figures)
     return table
 
 
-def speed_table(results: Sequence[TraceResult], peers: PeerResult | None) -> Table:
+def speed_table(results: Sequence[TraceResult], peers: Sequence[PeerResult]) -> Table:
     """Rays, or paths, a second."""
     table = Table(title="Millions a second")
     table.add_column("scene")
@@ -53,41 +53,41 @@ def speed_table(results: Sequence[TraceResult], peers: PeerResult | None) -> Tab
     table.add_column("paths", justify="right")
     for result in results:
         _add_speeds(table, result.scene, result.rays_per_second, peers=False)
-    if peers is not None:
-        image = f"direct light, {peers.threads} threads: "
-        speeds = {image + name: speed for name, speed in peers.paths_per_second.items()}
-        _add_speeds(table, peers.scene, speeds, peers=True)
+    for peer in peers:
+        image = f"direct light, {peer.threads} threads: "
+        speeds = {image + name: speed for name, speed in peer.paths_per_second.items()}
+        _add_speeds(table, peer.scene, speeds, peers=True)
     return table
 
 
-def remarks(results: Iterable[TraceResult], peers: PeerResult | None) -> list[str]:
+def remarks(results: Iterable[TraceResult], peers: Sequence[PeerResult]) -> list[str]:
     """What the tables rest on, line by line."""
     lines = []
     for result in results:
         width, height = result.size
         rays = ", ".join(f"{count:,} {kind}" for kind, count in result.rays.items() if count)
         lines.append(f"{result.scene}: {result.contents}; {width}x{height}; rays: {rays}")
-    if peers is not None:
-        for variant, difference in peers.differences.items():
+    for peer in peers:
+        for variant, difference in peer.differences.items():
             lines.append(
-                f"Mitsuba {peers.version} {variant}: its image differs from ours by"
-                f" {difference:.2%} (means of 8x8 pixels, {peers.samples} samples a pixel)"
+                f"{peer.scene}, Mitsuba {peer.version} {variant}: its image differs from ours by"
+                f" {difference:.2%} (means of 8x8 pixels, {peer.samples} samples a pixel)"
             )
-        for variant, why in peers.absent.items():
-            lines.append(f"Mitsuba's {variant} is left out: {why}")
+        for variant, why in peer.absent.items():
+            lines.append(f"{peer.scene}: Mitsuba's {variant} is left out: {why}")
     return lines
 
 
 def to_json(
-    results: Sequence[TraceResult], peers: PeerResult | None, repeats: int, isa: str
+    results: Sequence[TraceResult], peers: Sequence[PeerResult], repeats: int, isa: str
 ) -> dict[str, Any]:
-    """All of it; `peers` is null where Mitsuba did not run."""
+    """All of it; `peers` is empty where Mitsuba did not run."""
     return {
         "machine": machine(),
         "isa": isa,
         "repeats": repeats,
         "scenes": [result.to_json() for result in results],
-        "peers": peers.to_json() if peers is not None else None,
+        "peers": [peer.to_json() for peer in peers],
     }
 
 

@@ -24,6 +24,7 @@ from irt_usd.stage.snapshot import ObjectState
 FILES = {
     "quadrics": "quadrics.usda",
     "triangles": "triangles.usdc",
+    "pieces": "pieces.usdc",
     "instances": "instances.usda",
 }
 """Stages by scene name, in a folder that is given."""

@@ -9,8 +9,9 @@ import click
 
 from irt_usd.cli.options import ISAS, check_isa, is_verbose, parse_size, verbosity_options
 
-_SCENES = ("quadrics", "triangles", "instances")
-_PEER_SCENE = "triangles"
+_SCENES = ("quadrics", "triangles", "pieces", "instances")
+_PEER_SCENES = ("triangles", "pieces")
+"""Those of nothing but meshes, which are all that Mitsuba has in common with us."""
 
 
 @click.group()
@@ -74,14 +75,14 @@ def trace(
         if not quiet:
             click.echo(text, err=True)
 
-    results, compared = [], None
+    results, compared = [], []
     for name in names:
         loaded = load_scene(name, folder, pixels)
         results.append(measure_scene(loaded, repeats, isa, say))
-        if name == _PEER_SCENE and not no_peers:
+        if name in _PEER_SCENES and not no_peers:
             if peer.is_installed():
                 threads = min(2, len(os.sched_getaffinity(0)))
-                compared = peer.compare(loaded, repeats, threads, say)
+                compared.append(peer.compare(loaded, repeats, threads, say))
             else:
                 say("Mitsuba 3 is not installed; in irt's source folder: pip install .[bench]")
     if json_path is not None:
