@@ -356,7 +356,7 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
 
 /// Flags the voxels' paths, on all threads.
 void View::flag_paths(const update::Plan& plan, int threads) {
-    constexpr std::size_t piece = 64 * history::PathTable::flag_block;
+    constexpr std::size_t piece = 128 * history::PathTable::flag_block;
     history::PathTable& table = history_->table;
     table.clear_flags();
     const auto pieces = static_cast<int>((table.capacity() + piece - 1) / piece);

@@ -59,14 +59,14 @@ bool PathTable::reaches(PathIndex index, const Regions& regions) {
 
 void PathTable::clear_flags() {
     std::fill(flags_.begin(), flags_.end(), 0);
-    flags_[0] = std::uint64_t{1} << any_path;
+    flags_[0] = 1u << any_path;
 }
 
 void PathTable::flag(const Regions& regions, std::size_t begin, std::size_t end) {
     for (std::size_t i = std::max<std::size_t>(begin, first_place); i < end; ++i) {
         const Path path = paths_[i].load(std::memory_order_relaxed);
         if (path != empty_place && regions.may_meet(path))
-            flags_[i / flag_block] |= std::uint64_t{1} << (i % flag_block);
+            flags_[i / flag_block] |= 1u << (i % flag_block);
     }
 }
 

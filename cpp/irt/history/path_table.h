@@ -3,9 +3,13 @@
 // flag that says whether anything on it changed. "Did this ray change?" is then one look-up.
 #pragma once
 
+#include <immintrin.h>
+
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "irt/history/voxel_grid.h"
@@ -36,11 +40,14 @@ class PathTable {
     /// `regions`. Ranges that begin at multiples of `flag_block` may be scanned at once.
     void clear_flags();
     void flag(const Regions& regions, std::size_t begin, std::size_t end);
-    static constexpr std::size_t flag_block = 64;
+    static constexpr std::size_t flag_block = 32;
 
     [[nodiscard]] bool flagged(PathIndex index) const {
         return (flags_[index / flag_block] >> (index % flag_block) & 1) != 0;
     }
+    /// Calls found(i) for each i, in order, of which indices[i] is flagged.
+    template <class Found>
+    void for_each_flagged(std::span<const PathIndex> indices, Found&& found) const;
 
     /// Whether the path at `index` may meet `regions`, which must be the same ones until the next
     /// reset: the answer is kept. Callable from any thread.
@@ -53,7 +60,7 @@ class PathTable {
     [[nodiscard]] std::size_t capacity() const { return capacity_; }
     [[nodiscard]] std::size_t entries() const;
     [[nodiscard]] std::size_t bytes() const {
-        return capacity_ * sizeof(Path) + flags_.size() * sizeof(std::uint64_t);
+        return capacity_ * sizeof(Path) + flags_.size() * sizeof(std::uint32_t);
     }
 
   private:
@@ -63,7 +70,27 @@ class PathTable {
     std::unique_ptr<std::atomic<Path>[]> paths_;
     enum Answer : std::uint8_t { unknown, no, yes };
     std::unique_ptr<std::atomic<std::uint8_t>[]> reaches_;  ///< null: not to be asked
-    std::vector<std::uint64_t> flags_;                      ///< a bit a place
+    std::vector<std::uint32_t> flags_;                      ///< a bit a place
 };
+
+template <class Found>
+void PathTable::for_each_flagged(std::span<const PathIndex> indices, Found&& found) const {
+    const auto* words = reinterpret_cast<const int*>(flags_.data());
+    const __m256i low = _mm256_set1_epi32(flag_block - 1);
+    std::size_t i = 0;
+    for (; i + 8 <= indices.size(); i += 8) {
+        const __m256i index =
+            _mm256_loadu_si256(reinterpret_cast<const __m256i*>(indices.data() + i));
+        const __m256i word = _mm256_i32gather_epi32(words, _mm256_srli_epi32(index, 5), 4);
+        // Shifted so that each flag is a sign.
+        const __m256i sign =
+            _mm256_sllv_epi32(word, _mm256_sub_epi32(low, _mm256_and_si256(index, low)));
+        auto bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(sign)));
+        for (; bits != 0; bits &= bits - 1)
+            found(i + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+    for (; i < indices.size(); ++i)
+        if (flagged(indices[i])) found(i);
+}
 
 }  // namespace irt::history

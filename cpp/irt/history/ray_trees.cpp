@@ -164,10 +164,9 @@ void RayTrees::set_hit(NodeIndex index, const trace::Hit& hit) {
     Node& node = nodes[index];
     node.t = hit.t;
     node.visible = trace::HitName(hit);
-    if (!hit)
-        remove_point(index);
-    else if (node.point == no_point)
-        add_point(index);
+    if (!hit) return remove_point(index);
+    const PointIndex point = node.point == no_point ? add_point(index) : node.point;
+    points[point].piece = hit.piece;
 }
 
 void RayTrees::settle(SampleIndex first, const End& end) {

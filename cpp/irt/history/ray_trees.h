@@ -49,8 +49,9 @@ struct KeptPoint {
     /// cut; and of all below it, the greatest traced and the least cut.
     std::int32_t own_cut, greatest_traced, least_cut;
     std::int16_t prices[2];  ///< of the branches
+    std::uint8_t piece;      ///< as in trace::Hit
 };
-static_assert(sizeof(KeptPoint) == 28);
+static_assert(sizeof(KeptPoint) == 32);
 
 /// The intersection history (sections 2.2 and 2.4): the nearest hit on an object outside the
 /// dynamic set and other than the visible one. Void once its object has joined that set, or the set

@@ -107,7 +107,20 @@ void Regions::add(const VoxelSet& set, const trace::Box& bounds, std::size_t mos
                 static_cast<float>(std::min<double>(box.upper[axis], bounds.upper[a]) + reach);
         }
         boxes_.push_back(enlarged);
+        for (int a = 0; a < 3; ++a) {
+            all_.lower[a] = std::min(all_.lower[a], enlarged.lower[a]);
+            all_.upper[a] = std::max(all_.upper[a], enlarged.upper[a]);
+        }
     }
+}
+
+/// Whether a face of `box` parts it from the line between two points.
+bool Regions::apart(const Enlarged& box, const float* from, const float* to) {
+    bool parted = false;
+    for (int a = 0; a < 3; ++a)
+        parted = parted || std::max(from[a], to[a]) < box.lower[a] ||
+                 std::min(from[a], to[a]) > box.upper[a];
+    return parted;
 }
 
 bool Regions::may_meet(Path path) const {
@@ -121,10 +134,9 @@ bool Regions::may_meet(Path path) const {
         first /= grid_side;
         last /= grid_side;
     }
+    if (apart(all_, from, to)) return false;
     return std::any_of(boxes_.begin(), boxes_.end(), [&](const Enlarged& box) {
-        for (int a = 0; a < 3; ++a)
-            if (std::max(from[a], to[a]) < box.lower[a] || std::min(from[a], to[a]) > box.upper[a])
-                return false;
+        if (apart(box, from, to)) return false;
         float enter = 0, exit = 1;
         for (int a = 0; a < 3; ++a) {
             const float length = to[a] - from[a];

@@ -84,7 +84,10 @@ class Regions {
     struct Enlarged {
         float lower[3], upper[3];
     };
+    [[nodiscard]] static bool apart(const Enlarged& box, const float* from, const float* to);
+
     std::vector<Enlarged> boxes_;
+    Enlarged all_{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}};  ///< around them
     bool outside_ = false;
 };
 

@@ -133,13 +133,13 @@ void CellUpdate::keep_lights() {
 
 void CellUpdate::detect() {
     if (!plan_.regions.empty()) {
-        for (NodeIndex n = 0; n < trees_.paths.size(); ++n)
-            if (table_.flagged(trees_.paths[n])) lists_.flagged.push_back(n);
-        for (std::uint32_t l = 0; l < lights_.size(); ++l) {
-            const history::Array<history::PathIndex>& paths = trees_.lights[l].paths;
-            for (PointIndex p = 0; p < paths.size(); ++p)
-                if (table_.flagged(paths[p])) lists_.flagged_shadows.push_back({p, l});
-        }
+        table_.for_each_flagged(trees_.paths, [&](std::size_t n) {
+            lists_.flagged.push_back(static_cast<NodeIndex>(n));
+        });
+        for (std::uint32_t l = 0; l < lights_.size(); ++l)
+            table_.for_each_flagged(trees_.lights[l].paths, [&](std::size_t p) {
+                lists_.flagged_shadows.push_back({static_cast<PointIndex>(p), l});
+            });
         counts_.flagged += lists_.flagged.size() + lists_.flagged_shadows.size();
     }
     if (plan_.material_mask == 0) return;
@@ -197,7 +197,7 @@ void CellUpdate::test_segment(NodeIndex index) {
         if (!plan_.arrivals.may_meet(V3d(ray.origin), V3d(ray.direction), node.t)) return;
         count_query(index);
         const trace::HitName was = node.visible;
-        const trace::Hit limit = trace::named_hit(shading_.scene(), ray, was);
+        const trace::Hit limit = seen ? kept_hit(index) : trace::Hit();
         const trace::Hit now = intersector_.nearest_moving(ray, limit, queries);
         if (same(now, limit)) return;
         HitBehind behind;
@@ -382,6 +382,20 @@ void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t 
     const history::Path path =
         table_.grid().path(ray.origin, ray.direction, static_cast<double>(ray.t_max));
     trees_.set_shadow_path(light, at, table_.intern(path));
+}
+
+/// The visible point of a node that has one, as the query gave it.
+trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
+    const Node& node = trees_.nodes[index];
+    const trace::HitName& name = node.visible;
+    if (shading_.scene().objects()[name.object].part(name.part).triangles)
+        return trace::named_hit(shading_.scene(), trees_.ray(index), name);
+    trace::Hit hit;
+    hit.t = node.t;
+    hit.object = name.object;
+    hit.part = name.part;
+    hit.piece = trees_.points[node.point].piece;
+    return hit;
 }
 
 /// One branch of `node`: kept, walked, traced anew or cut, as its weight and direction now say.

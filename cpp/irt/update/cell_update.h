@@ -107,10 +107,9 @@ class CellUpdate {
     void count_new(NodeIndex node);
     void count_query(NodeIndex node);
     [[nodiscard]] ShadePoint shade_point_of(NodeIndex node) const {
-        const trace::Ray ray = trees_.ray(node);
-        return shading_.visible_point(
-            ray, trace::named_hit(shading_.scene(), ray, trees_.nodes[node].visible));
+        return shading_.visible_point(trees_.ray(node), kept_hit(node));
     }
+    [[nodiscard]] trace::Hit kept_hit(NodeIndex node) const;
     [[nodiscard]] std::uint32_t material_of(NodeIndex node) const;
 
     const shade::Shading& shading_;
