@@ -68,12 +68,20 @@ format: setup
 	@$(VENV)/bin/ruff check --fix
 
 DEMO := shots/demo/chess.usda --size 960x540 --samples 4
+IRT := $(VENV)/bin/irt
 demo: setup
 	@rm -rf out/demo && mkdir -p out/demo
-	@$(VENV)/bin/irt render $(DEMO) --output out/demo/beauty.####.exr --stats out/demo/stats.jsonl
-	@$(VENV)/bin/irt contact-sheet out/demo/contact_sheet.png out/demo/beauty.*.exr
-	@$(VENV)/bin/irt verify $(DEMO) --json out/demo/verify.json
+	@$(IRT) render $(DEMO) --aov irt.retraced --output out/demo/beauty.####.exr \
+	    --stats out/demo/stats.jsonl
+	@$(IRT) contact-sheet out/demo/contact_sheet.png out/demo/beauty.*.exr
+	@$(IRT) contact-sheet --retraced out/demo/heat_map.png out/demo/beauty.*.exr
+	@echo "The same frames as full traces, to compare times:"
+	@$(IRT) render $(DEMO) --aov irt.retraced --history none --quiet \
+	    --output out/demo/full/beauty.####.exr --stats out/demo/full.jsonl
+	@$(IRT) speedup out/demo/stats.jsonl out/demo/full.jsonl
+	@$(IRT) verify $(DEMO) --json out/demo/verify.json
 	@echo "Frames: out/demo/beauty.*.exr   all at a glance: out/demo/contact_sheet.png"
+	@echo "What was retraced: out/demo/heat_map.png"
 	@echo "Verdict: every frame equals a full trace of it, bit for bit (out/demo/verify.json)."
 
 bench: setup

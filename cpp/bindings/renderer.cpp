@@ -96,8 +96,9 @@ py::dict statistics(const UpdateReport& report) {
                                "all_bytes"_a = history.all_bytes(), "bytes"_a = bytes),
         "seconds"_a = py::dict("apply"_a = report.apply_seconds, "bvh"_a = report.bvh_seconds,
                                "detect"_a = report.plan_seconds + clock * all.detect,
-                               "trace"_a = clock * all.trace, "shade"_a = clock * all.shade,
-                               "combine"_a = clock * all.combine, "film"_a = clock * all.film,
+                               "trace"_a = processor > 0 ? clock * all.trace : report.trace_seconds,
+                               "shade"_a = clock * all.shade, "combine"_a = clock * all.combine,
+                               "film"_a = clock * all.film,
                                "total"_a = report.apply_seconds + report.bvh_seconds +
                                            report.plan_seconds + report.trace_seconds),
         "cells"_a = py::dict("rays"_a = cell_rays, "seconds"_a = cell_seconds));

@@ -53,7 +53,10 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     report.apply_seconds = watch.lap();
     report.all_rays = film_rays_;
     const bool was_current = film_is_current_;
-    if (was_current && applied.empty() && !camera_changed) return report;
+    if (was_current && applied.empty() && !camera_changed) {
+        view_.nothing_retraced();
+        return report;
+    }
 
     // Whatever throws from here on leaves the film to be made anew, and the trees to catch up.
     film_is_current_ = false;

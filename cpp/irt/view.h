@@ -70,6 +70,9 @@ class View {
     bool update(const Scene& scene, const trace::Intersector& intersector, const update::Plan& plan,
                 int threads, const cells::CellOrder& order, bool cost_model, CellReports& reports);
 
+    /// Says so in the film, where that was asked for.
+    void nothing_retraced() { film_.clear_retraced(); }
+
     [[nodiscard]] bool has_history() const { return has_history_; }
     /// What the history holds, cells and table together.
     [[nodiscard]] HistorySize history_size() const;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`irt changes`, `fingerprint`, `contact-sheet`, `--version` and help."""
+"""`irt changes`, `speedup`, `contact-sheet`, `fingerprint`, `--version` and help."""
 
 import json
 from pathlib import Path
@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from cli_support import MOVING_SHOT, SIZE, irt, write_stage
+from irt_usd.images.exr import read_retraced
 
 
 def test_changes_as_json(tmp_path: Path) -> None:
@@ -70,8 +71,48 @@ def test_contact_sheet(tmp_path: Path) -> None:
     assert irt("contact-sheet", str(sheet), str(tmp_path / "gone.exr")).exit_code == 2
 
 
+def test_heat_map(tmp_path: Path) -> None:
+    stage = write_stage(tmp_path)
+    name = str(tmp_path / "b.#.exr")
+    assert irt("render", stage, *SIZE, "-o", name, "--aov", "irt.retraced").exit_code == 0
+    frames = [str(tmp_path / f"b.{frame}.exr") for frame in range(1, 5)]
+    sheet = tmp_path / "heat.png"
+    assert irt("contact-sheet", "--retraced", str(sheet), *frames).exit_code == 0
+    assert sheet.read_bytes().startswith(b"\x89PNG")
+    retraced = [float(read_retraced(Path(frame)).sum()) for frame in frames]
+    assert retraced[0] > 0
+    assert retraced[2] == 0  # nothing changes in frame 3
+    assert irt("render", stage, *SIZE, "-o", name).exit_code == 0
+    without = irt("contact-sheet", "--retraced", str(sheet), *frames)
+    assert without.exit_code == 2
+    assert "--aov irt.retraced" in without.output
+
+
+def test_speedup(tmp_path: Path) -> None:
+    stage = write_stage(tmp_path)
+    stats, full = tmp_path / "s.jsonl", tmp_path / "f.jsonl"
+    out = ("-o", str(tmp_path / "b.#.exr"))
+    assert irt("render", stage, *SIZE, *out, "--stats", str(stats)).exit_code == 0
+    none = ("--history", "none", "--stats", str(full))
+    assert irt("render", stage, *SIZE, *out, *none).exit_code == 0
+    table = irt("speedup", str(stats), str(full))
+    assert table.exit_code == 0
+    assert len(table.output.splitlines()) == 6  # a header, four frames, the shot
+    assert table.output.splitlines()[-1].split()[0] == "shot"
+    for frame in map(json.loads, full.read_text().splitlines()):
+        assert frame["seconds"]["trace"] > 0
+    full.write_text("{}\n")
+    refused = irt("speedup", str(stats), str(full))
+    assert refused.exit_code == 2
+    assert "line 1" in refused.output
+
+
 @pytest.mark.parametrize(
-    "command", [(), ("render",), ("verify",), ("changes",), ("contact-sheet",), ("fingerprint",)]
-)
+    "command",
+    [
+        (), ("render",), ("verify",), ("changes",), ("speedup",), ("contact-sheet",),
+        ("fingerprint",),
+    ],
+)  # fmt: skip
 def test_help(command: tuple[str, ...]) -> None:
     assert irt(*command, "--help").exit_code == 0

@@ -19,12 +19,19 @@ import click
     show_default=True,
     help="Of one frame, in pixels.",
 )
-def contact_sheet(out: Path, frames: tuple[Path, ...], columns: int | None, width: int) -> None:
+@click.option(
+    "--retraced",
+    is_flag=True,
+    help="Show where rays were retraced, over a dim image; needs frames with --aov irt.retraced.",
+)
+def contact_sheet(
+    out: Path, frames: tuple[Path, ...], columns: int | None, width: int, retraced: bool
+) -> None:
     """Show a sequence of EXR files at a glance, as one PNG in sRGB."""
     from irt_usd.images.contact_sheet import write_contact_sheet
     from irt_usd.shot.frames import count_frames
     from irt_usd.shot.output import prepare_output
 
     prepare_output([out], "contact sheet", lambda _: None)
-    write_contact_sheet(out, frames, columns, width)
+    write_contact_sheet(out, frames, columns, width, retraced)
     click.echo(f"{out}: {count_frames(len(frames))}")

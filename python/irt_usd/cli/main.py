@@ -13,6 +13,7 @@ from irt_usd.cli.contact_sheet import contact_sheet
 from irt_usd.cli.errors import IrtGroup
 from irt_usd.cli.fingerprint import fingerprint
 from irt_usd.cli.render import render
+from irt_usd.cli.speedup import speedup
 from irt_usd.cli.verify import verify
 from irt_usd.cli.versions import print_versions
 
@@ -34,7 +35,7 @@ def cli() -> None:
     """
 
 
-for command in (render, verify, changes, contact_sheet, fingerprint, bench):
+for command in (render, verify, changes, speedup, contact_sheet, fingerprint, bench):
     cli.add_command(command)
 
 

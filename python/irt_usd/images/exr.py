@@ -99,12 +99,31 @@ def write_exr(
 
 def read_beauty(path: Path) -> NDArray[np.float32]:
     """The RGB of an EXR: (height, width, 3) float32. Raises InputError."""
+    image = _open(path)
+    if image.spec().nchannels < 3:
+        raise InputError(f"{path}: has no R, G and B channels")
+    return _read_channels(path, image, 0, 3)
+
+
+def read_retraced(path: Path) -> NDArray[np.float32]:
+    """The irt.retraced layer of an EXR: (height, width) rays. Raises InputError."""
+    image = _open(path)
+    names = image.spec().channelnames
+    if "irt.retraced" not in names:
+        raise InputError(f"{path}: has no channel irt.retraced; render with --aov irt.retraced")
+    index = names.index("irt.retraced")
+    return _read_channels(path, image, index, index + 1)[..., 0]
+
+
+def _open(path: Path) -> oiio.ImageInput:
     image = oiio.ImageInput.open(str(path))
     if image is None:
         raise InputError(f"{path}: cannot be read: {oiio.geterror().strip()}")
-    if image.spec().nchannels < 3:
-        raise InputError(f"{path}: has no R, G and B channels")
-    pixels = image.read_image(0, 0, 0, 3, oiio.FLOAT)
+    return image
+
+
+def _read_channels(path: Path, image: oiio.ImageInput, begin: int, end: int) -> NDArray[np.float32]:
+    pixels = image.read_image(0, 0, begin, end, oiio.FLOAT)
     if pixels is None:
         raise InputError(f"{path}: is damaged: {image.geterror().strip()}")
     return np.asarray(pixels, dtype=np.float32)

@@ -54,7 +54,8 @@ def render_shot(
                 traced = tracer.trace(frame, partial(progress.tracing, frame))
                 written.expect(frame)
                 # The film of an unchanged frame is written again as it is.
-                film = film if film is not None and traced.unchanged else tracer.film()
+                same = traced.unchanged and "irt.retraced" not in settings.aovs
+                film = film if film is not None and same else tracer.film()
                 metadata = common | frame_metadata(frame, traced.snapshot.camera)
                 stats = _frame_stats(traced, path, output.history)
                 writer.submit(FrameJob(path, film, metadata, output.pixel_type, stats))

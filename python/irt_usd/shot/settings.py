@@ -24,7 +24,7 @@ _AOV_FLOATS = {
 }
 AOV_NAMES = tuple(_AOV_FLOATS)
 SURFACE_AOVS = tuple(name for name in AOV_NAMES if not name.startswith("irt."))
-"""Those of what is seen; the others tell of the update, and no two ways to a frame agree on them."""
+"""Those of what is seen; the others tell of the update, in which ways to a frame differ."""
 
 
 @dataclass(frozen=True)
