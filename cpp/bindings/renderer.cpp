@@ -204,7 +204,8 @@ void bind_renderer(py::module_& module) {
                  return film_array(self, film.beauty(), {film.height(), film.width(), 4});
              })
         .def("aov", &aov_array, py::arg("name"))
-        .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"));
+        .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"))
+        .def("validate", &Renderer::validate);
 }
 
 }  // namespace irt::bindings

@@ -54,6 +54,9 @@ class Renderer {
 
     [[nodiscard]] const film::Film& film() const { return view_.film(); }
     [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y) const;
+    /// For tests: checks all that holds of a history after an update, where one is kept. Throws
+    /// std::logic_error naming the first invariant that is broken, and where.
+    void validate() const;
 
   private:
     Renderer(const FloatState& while_constructing, const Camera& camera,

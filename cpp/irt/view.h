@@ -81,6 +81,10 @@ class View {
     /// The grid of the history's paths.
     [[nodiscard]] const history::VoxelGrid& grid() const { return history_->table.grid(); }
 
+    /// Checks every invariant of the history, and the film against it. For tests. Throws
+    /// std::logic_error naming the first that is broken.
+    void validate(const Scene& scene, const trace::Intersector& intersector) const;
+
     /// Traces every pixel on the calling thread and appends every ray to `record`;
     /// the film stands.
     shade::Counts record(const Scene& scene, const trace::Intersector& intersector,

@@ -196,6 +196,9 @@ class Renderer:
         self, x: int, y: int
     ) -> dict[str, NDArray[np.float32] | NDArray[np.uint32]]:
         """The pixel by the brute-force twin: {"beauty": (4,), aov: ...}."""
+    def validate(self) -> None:
+        """For tests: checks the history that the last update left, entry by entry, and the film
+        against it. Raises RuntimeError naming the first invariant that is broken, and where."""
 
 def numeric_fingerprint(isa: str = "avx2") -> str:
     """Hash over fixed rays and libm calls (DESIGN 3, rule 11), as 16 hex digits."""

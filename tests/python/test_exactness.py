@@ -31,6 +31,7 @@ def test_film_after_edits_is_that_of_a_fresh_renderer(
     for frame in edits:
         done = renderer.update(state.apply(frame))
         assert done["restart"] is None
+        renderer.validate()
         judge = scenes.renderer(*size, samples=samples, history=False)
         judge.update(state.fresh())
         assert scenes.film_bits(renderer) == scenes.film_bits(judge)

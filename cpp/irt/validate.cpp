@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// A view against its own history: for tests.
+#include <stdexcept>
+#include <string>
+
+#include "irt/history/invariants.h"
+#include "irt/math/bits.h"
+#include "irt/math/float_state.h"
+#include "irt/renderer.h"
+
+namespace irt {
+
+namespace {
+
+/// Throws where a pixel of one film is not that of the other.
+template <class T>
+void require_same(const T* kept, const T* recorded, std::size_t count, std::size_t per_pixel,
+                  int width, const char* what) {
+    for (std::size_t i = 0; i < count * per_pixel; ++i) {
+        if (same_bits(kept[i], recorded[i])) continue;
+        const std::size_t pixel = i / per_pixel, row = static_cast<std::size_t>(width);
+        throw std::logic_error("pixel (" + std::to_string(pixel % row) + ", " +
+                               std::to_string(pixel / row) + "): broken: its " + what +
+                               " is what its samples recorded");
+    }
+}
+
+void require_same(const film::Film& kept, const film::Film& recorded) {
+    const int width = kept.width();
+    const std::size_t pixels =
+        static_cast<std::size_t>(width) * static_cast<std::size_t>(kept.height());
+    using film::Aov;
+    require_same(kept.beauty(), recorded.beauty(), pixels, 4, width, "beauty");
+    if (kept.has(Aov::Depth))
+        require_same(kept.depth(), recorded.depth(), pixels, 1, width, "depth");
+    for (const Aov aov : {Aov::Normal, Aov::Position, Aov::Albedo})
+        if (kept.has(aov))
+            require_same(kept.vectors(aov), recorded.vectors(aov), pixels, 1, width,
+                         film::aov_names[static_cast<std::size_t>(aov)].data());
+    if (kept.has(Aov::ObjectId))
+        require_same(kept.object_id(), recorded.object_id(), pixels, 1, width, "objectId");
+}
+
+}  // namespace
+
+void View::validate(const Scene& scene, const trace::Intersector& intersector) const {
+    const shade::Shading shading(scene, settings_.shade);
+    const update::Plan nothing;
+    film::Film recorded(film_);
+    for (int k = 0; k < cells::cell_count; ++k) {
+        const std::string where = "cell " + std::to_string(k);
+        history::RayTrees& trees = history_->cells[static_cast<std::size_t>(k)];
+        check_invariants(trees, history_->table, shading, intersector, where);
+        update::CellLists lists;
+        const update::CellUpdate cell(shading, intersector, nothing, history_->table, trees, lists);
+        history::SampleIndex sample = 0;
+        const auto [dx, dy] = cells::cell_offset(k);
+        for (int y = dy; y < settings_.height; y += cells::cell_stride)
+            for (int x = dx; x < settings_.width; x += cells::cell_stride) {
+                const history::SampleIndex first = sample;
+                for (int s = 0; s < settings_.samples; ++s, ++sample) {
+                    const trace::Ray primary = primary_ray(x, y, s);
+                    const bool primaries =
+                        sample < trees.roots.size() &&
+                        same_bits(trees.ray(trees.roots[sample]).origin, primary.origin) &&
+                        same_bits(trees.ray(trees.roots[sample]).direction, primary.direction);
+                    if (!primaries)
+                        throw std::logic_error(where + ", sample " + std::to_string(sample) +
+                                               ": broken: a root holds the sample's primary ray");
+                }
+                recorded.set(x, y, recorded_pixel(cell, first));
+            }
+        if (sample != trees.roots.size())
+            throw std::logic_error(where + ": broken: a root a sample");
+    }
+    require_same(film_, recorded);
+}
+
+void Renderer::validate() const {
+    const FloatState ieee;
+    if (film_is_current_ && view_.has_history()) view_.validate(scene_, intersector_);
+}
+
+}  // namespace irt
