@@ -1,160 +1,207 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random scenes and edit sequences for property tests: few places, sizes and materials, so that
-planes are shared, objects coincide, and removed objects come back under their names."""
+"""Scenes for property tests, as plain values that print in a form they can be read from again.
+
+A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
+("capsule", ...), ("plane", width, length), ("box", single_sided, corners) or ("pair", radius,
+material), an instance; a material is the arguments of _core.Material; a light is ("distant",
+direction, irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of
+_core may stand in their place.
+"""
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
-from hypothesis import strategies as st
 
 from irt_usd import _core
 
 AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
-NAMES = ("/a", "/b", "/c", "/d", "/e")
-MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
 
-coordinate = st.sampled_from((-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 1.0 / 3.0))
-unit = st.sampled_from((0.0, 0.2, 0.5, 1.0))
-color = st.tuples(unit, unit, unit)
-size = st.sampled_from((0.5, 1.0, 2.0))
+Edit = tuple[Any, ...]
 
-BOX = np.array(
-    [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)], np.float32
-)
+BOX = tuple((x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5))
 BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
 
 
-def box_mesh(single_sided: bool) -> _core.Mesh:
-    """A cube of side 1 with shared vertices and outward faces."""
-    return _core.Mesh(BOX, np.full(6, 4, np.int32), BOX_FACES, single_sided=single_sided)
+@cache
+def geometry(shape: tuple[Any, ...]) -> Any:
+    """The record of a geometry; equal ones are one, so that instances share their prototype."""
+    kind, *sizes = shape
+    if kind == "box":
+        single_sided, corners = sizes
+        points = np.array(corners, np.float32)
+        return _core.Mesh(points, np.full(6, 4, np.int32), BOX_FACES, single_sided=single_sided)
+    if kind == "pair":
+        radius, material = sizes
+        ball, box = ("sphere", radius), ("box", False, BOX)
+        parts = [("q", ball, material), ("m", box, "/red")]
+        return _core.Prototype([(n, geometry(g), np.eye(4), m) for n, g, m in parts])
+    return getattr(_core.Quadric, kind)(*sizes)
 
 
-geometry: st.SearchStrategy[Any] = st.one_of(
-    st.builds(_core.Quadric.sphere, size),
-    st.builds(_core.Quadric.cube, size),
-    st.builds(_core.Quadric.cylinder, size, size),
-    st.builds(_core.Quadric.cone, size, size),
-    st.builds(_core.Quadric.capsule, size, size),
-    st.builds(_core.Quadric.plane, size, size),
-    st.builds(box_mesh, st.booleans()),
-    st.builds(
-        lambda quadric, material: _core.Prototype(
-            [("q", quadric, np.eye(4), material), ("m", box_mesh(False), np.eye(4), "/red")]
-        ),
-        st.builds(_core.Quadric.sphere, st.just(0.5)),
-        st.sampled_from(MATERIALS),
-    ),
-)
+def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, Any, str]:
+    """What ChangeSet.set_object takes."""
+    made = geometry(shape) if isinstance(shape, tuple) else shape
+    return made, np.asarray(matrix, float), material
 
 
-@st.composite
-def transform(draw: st.DrawFn) -> np.ndarray:
-    """Axis-aligned or turned, mirrored or not, scaled alike or not; in front of the camera."""
-    matrix = np.eye(4)
-    if draw(st.booleans()):
-        c, s = 0.8, 0.6
-        matrix[:3, :3] = draw(
-            st.sampled_from(
-                (
-                    np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]),
-                    np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]),
-                    np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]),
-                )
-            )
-        )
-    scales = draw(st.sampled_from(((1, 1, 1), (-1, 1, 1), (1, 2, 0.5), (0.5, 0.5, 0.5))))
-    matrix[:3, :3] = np.diag(scales) @ matrix[:3, :3]
-    matrix[3, :3] = (draw(coordinate), draw(coordinate), draw(coordinate) - 5)
-    return matrix
+def material_record(material: Any) -> _core.Material:
+    return _core.Material(**material) if isinstance(material, dict) else material
 
 
-material = st.builds(
-    _core.Material,
-    diffuse_color=color,
-    emissive_color=st.sampled_from(((0, 0, 0), (0.5, 0.25, 0))),
-    metallic=unit,
-    roughness=st.sampled_from((0.0, 0.05, 0.3, 1.0)),
-    opacity=st.sampled_from((0.0, 0.25, 1.0, 1.0)),
-    opacity_threshold=st.sampled_from((0.0, 0.0, 0.0, 0.3)),
-    ior=st.sampled_from((1.0, 1.33, 1.5)),
-)
-
-light = st.one_of(
-    st.builds(
-        _core.Light.distant,
-        st.sampled_from(((0, -1, 0), (0, 0, -1), (1, -1, -1), (-0.3, -0.9, 0.1))),
-        color,
-        st.booleans(),
-    ),
-    st.builds(
-        _core.Light.point, st.tuples(coordinate, coordinate, coordinate), color, st.booleans()
-    ),
-)
-
-edit = st.one_of(
-    st.tuples(
-        st.just("object"), st.sampled_from(NAMES), geometry, transform(), st.sampled_from(MATERIALS)
-    ),
-    st.tuples(st.just("remove"), st.sampled_from(NAMES)),
-    st.tuples(st.just("move"), st.sampled_from(NAMES), transform()),
-    st.tuples(st.just("bind"), st.sampled_from((*NAMES, "/floor")), st.sampled_from(MATERIALS)),
-    st.tuples(st.just("material"), st.sampled_from(MATERIALS), material),
-    st.tuples(st.just("light"), st.sampled_from(("/key", "/fill")), light),
-    st.tuples(st.just("dark"), st.sampled_from(("/key", "/fill"))),
-)
-frame = st.lists(edit, max_size=3)
-shot = st.lists(frame, min_size=1, max_size=4)
+def light_record(light: Any) -> Any:
+    if not isinstance(light, tuple):
+        return light
+    make = _core.Light.distant if light[0] == "distant" else _core.Light.point
+    return make(*light[1:])
 
 
 @dataclass
 class State:
-    """The records in force, to make fresh scenes from."""
+    """The records in force, to make fresh scenes from, and those of the frames before."""
 
     objects: dict[str, tuple[Any, ...]] = field(default_factory=dict)
     materials: dict[str, Any] = field(default_factory=dict)
     lights: dict[str, Any] = field(default_factory=dict)
+    hidden: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    past: list[tuple[dict[str, Any], ...]] = field(default_factory=list)
 
-    def apply(self, edits: list[tuple[Any, ...]]) -> _core.ChangeSet:
-        """Applies one frame's edits here and returns them as a change set."""
-        changes = _core.ChangeSet()
+    def apply(self, edits: list[Edit]) -> _core.ChangeSet:
+        """Applies one frame's edits here and returns them as a change set. An edit of what is not
+        there, or cannot be edited so, does nothing."""
+        before = self._records()
         for kind, name, *rest in edits:
-            if kind == "object":
-                self.objects[name] = tuple(rest)
-                changes.set_object(name, *rest)
-            elif kind in ("move", "bind"):
-                if name not in self.objects:
-                    continue
-                shape, matrix, material = self.objects[name]
-                moved = rest[0] if kind == "move" else matrix
-                self.objects[name] = (shape, moved, rest[0] if kind == "bind" else material)
-                changes.set_object(name, *self.objects[name])
-            elif kind == "remove":
-                self.objects.pop(name, None)
-                changes.remove_object(name)
-            elif kind == "material":
-                self.materials[name] = rest[0]
-                changes.set_material(name, rest[0])
-            elif kind == "light":
-                self.lights[name] = rest[0]
-                changes.set_light(name, rest[0])
-            else:
-                self.lights.pop(name, None)
-                changes.remove_light(name)
-        return changes
+            getattr(self, "_" + kind)(name, *rest)
+        self.past.append(before)
+        return self._leading_from(before)
 
     def fresh(self) -> _core.ChangeSet:
         """A change set that makes this state from nothing."""
+        return self._leading_from(({}, {}, {}))
+
+    def _records(self) -> tuple[dict[str, Any], ...]:
+        return dict(self.objects), dict(self.materials), dict(self.lights)
+
+    def _leading_from(self, before: tuple[dict[str, Any], ...]) -> _core.ChangeSet:
+        """Changes from other records to these; a record that was set again is set again."""
         changes = _core.ChangeSet()
-        for name, record in self.materials.items():
-            changes.set_material(name, record)
+        objects, materials, lights = before
+        for name, material in self.materials.items():
+            if materials.get(name) is not material:
+                changes.set_material(name, material_record(material))
         for name, record in self.objects.items():
-            changes.set_object(name, *record)
-        for name, record in self.lights.items():
-            changes.set_light(name, record)
+            if objects.get(name) is not record:
+                changes.set_object(name, *object_record(*record))
+        for name in objects.keys() - self.objects.keys():
+            changes.remove_object(name)
+        for name, light in self.lights.items():
+            if lights.get(name) is not light:
+                changes.set_light(name, light_record(light))
+        for name in lights.keys() - self.lights.keys():
+            changes.remove_light(name)
         return changes
+
+    # ---- objects
+
+    def _object(self, name: str, shape: Any, matrix: Any, material: str) -> None:
+        self.objects[name] = (shape, matrix, material)
+
+    def _remove(self, name: str) -> None:
+        self.objects.pop(name, None)
+
+    def _copy(self, name: str, other: str, material: str) -> None:
+        """An object that coincides with another."""
+        if other in self.objects:
+            self.objects[name] = (*self.objects[other][:2], material)
+
+    def _hide(self, name: str) -> None:
+        if name in self.objects:
+            self.hidden[name] = self.objects.pop(name)
+
+    def _show(self, name: str) -> None:
+        if name in self.hidden:
+            self.objects[name] = self.hidden.pop(name)
+
+    def _move(self, name: str, matrix: Any) -> None:
+        if name in self.objects:
+            shape, _, material = self.objects[name]
+            self.objects[name] = (shape, matrix, material)
+
+    def _shift(self, name: str, offset: tuple[float, ...]) -> None:
+        if name in self.objects:
+            moved = np.array(self.objects[name][1], float)
+            moved[3, :3] += offset
+            self._move(name, as_tuples(moved))
+
+    def _transform(self, name: str, matrix: Any) -> None:
+        """Turns or scales an object about its own origin."""
+        if name in self.objects:
+            turned = np.eye(4)
+            turned[:3, :3] = matrix
+            self._move(name, as_tuples(turned @ np.array(self.objects[name][1], float)))
+
+    def _resize(self, name: str, factors: tuple[float, ...]) -> None:
+        """Keyed radius, height and size."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and len(shape) > 1 and shape[0] != "box":
+            sizes = list(shape[1:])
+            for i, factor in enumerate(factors[: len(sizes)]):
+                sizes[i] *= factor if isinstance(sizes[i], float) else 1
+            self.objects[name] = ((shape[0], *sizes), *others)
+
+    def _deform(self, name: str, corner: int, offset: tuple[float, ...]) -> None:
+        """Moves one point of a mesh."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and shape[:1] == ("box",):
+            corners = list(shape[2])
+            corners[corner] = tuple(a + b for a, b in zip(corners[corner], offset, strict=True))
+            self.objects[name] = (("box", shape[1], tuple(corners)), *others)
+
+    def _bind(self, name: str, material: str) -> None:
+        if name in self.objects:
+            self.objects[name] = (*self.objects[name][:2], material)
+
+    # ---- materials and lights
+
+    def _material(self, name: str, material: Any) -> None:
+        self.materials[name] = material
+
+    def _look(self, name: str, values: dict[str, Any]) -> None:
+        """Other values of some of a material's inputs."""
+        if isinstance(self.materials.get(name), dict):
+            self.materials[name] = {**self.materials[name], **values}
+
+    def _light(self, name: str, light: Any) -> None:
+        self.lights[name] = light
+
+    def _dark(self, name: str) -> None:
+        self.lights.pop(name, None)
+
+    def _aim(self, name: str, vector: tuple[float, ...]) -> None:
+        """Another direction or position of a light."""
+        if isinstance(light := self.lights.get(name), tuple):
+            self.lights[name] = (light[0], vector, *light[2:])
+
+    def _shine(self, name: str, energy: tuple[float, ...]) -> None:
+        """Another colour or energy of a light."""
+        if isinstance(light := self.lights.get(name), tuple):
+            self.lights[name] = (*light[:2], energy, *light[3:])
+
+    # ---- all
+
+    def _undo(self, frames: int) -> None:
+        """Back to the records of some frames before."""
+        if len(self.past) >= frames:
+            objects, materials, lights = self.past[-frames]
+            self.objects, self.materials, self.lights = dict(objects), dict(materials), dict(lights)
+
+
+def as_tuples(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    """A matrix as a plain value."""
+    return tuple(tuple(row) for row in matrix.tolist())
 
 
 def initial() -> State:
@@ -162,14 +209,14 @@ def initial() -> State:
     state = State()
     state.apply(
         [
-            ("material", "/red", _core.Material(diffuse_color=(0.8, 0.1, 0.1))),
-            ("material", "/glass", _core.Material(opacity=0.1, roughness=0.0, ior=1.5)),
-            ("material", "/mirror", _core.Material(metallic=1.0, roughness=0.0)),
-            ("material", "/lamp", _core.Material(emissive_color=(1, 1, 1))),
-            ("material", "/leaf", _core.Material(opacity=0.2, opacity_threshold=0.5)),
-            ("object", "/floor", _core.Quadric.plane(8, 8), floor(), "/red"),
-            ("object", "/a", _core.Quadric.sphere(0.5), floor(1.0), "/glass"),
-            ("light", "/key", _core.Light.distant((0.3, -1, -0.2), (1, 1, 0.9))),
+            ("material", "/red", {"diffuse_color": (0.8, 0.1, 0.1)}),
+            ("material", "/glass", {"opacity": 0.1, "roughness": 0.0, "ior": 1.5}),
+            ("material", "/mirror", {"metallic": 1.0, "roughness": 0.0}),
+            ("material", "/lamp", {"emissive_color": (1, 1, 1)}),
+            ("material", "/leaf", {"opacity": 0.2, "opacity_threshold": 0.5}),
+            ("object", "/floor", ("plane", 8.0, 8.0), floor(), "/red"),
+            ("object", "/a", ("sphere", 0.5), floor(1.0), "/glass"),
+            ("light", "/key", ("distant", (0.3, -1.0, -0.2), (1.0, 1.0, 0.9), True)),
         ]
     )
     return state
@@ -178,25 +225,43 @@ def initial() -> State:
 def glass_before_floor() -> State:
     """A pane between the light and the floor, for shadows whose tint changes."""
     state = initial()
-    state.apply([("object", "/b", _core.Quadric.plane(3, 3), floor(1.5), "/glass")])
+    state.apply([("object", "/b", ("plane", 3.0, 3.0), floor(1.5), "/glass")])
     return state
 
 
-def floor(height: float = 0.0) -> np.ndarray:
+def crowd() -> State:
+    """Mirror, lamp and glass: coincident and touching objects, panes one above the other, an
+    instance, and two lights."""
+    state = initial()
+    aside = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (-1.5, -0.5, -6, 1))
+    state.apply(
+        [
+            ("object", "/b", ("box", False, BOX), aside, "/mirror"),
+            ("object", "/c", ("cube", 1.0), aside, "/red"),
+            ("object", "/d", ("plane", 3.0, 3.0), floor(2.5), "/glass"),
+            ("object", "/e", ("pair", 0.5, "/lamp"), floor(1.5), "/red"),
+            ("object", "/lantern", ("sphere", 0.25), (*aside[:3], (0.5, -0.5, -4, 1)), "/lamp"),
+            ("object", "/leaves", ("plane", 1.0, 1.0), floor(0.5), "/leaf"),
+            ("light", "/fill", ("point", (0.5, 2.0, -3.0), (8.0, 4.0, 4.0), True)),
+        ]
+    )
+    return state
+
+
+def floor(height: float = 0.0) -> tuple[tuple[float, ...], ...]:
     """A plane's transform: facing up, below the camera."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
-    matrix[3, :3] = (0, -1 + height, -5)
-    return matrix
+    return ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, -1 + height, -5, 1))
 
 
 def renderer(width: int = 24, height: int = 20, **options: Any) -> _core.Renderer:
     """A renderer whose camera looks down -z from the origin, all AOVs on."""
     options.setdefault("cost_model", False)
-    samples = options.pop("samples", 1)
+    view: dict[str, Any] = {"max_depth": 5, "aovs": AOVS}
+    for name in ("samples", "throughput_cutoff", "aovs"):
+        if name in options:
+            view[name] = options.pop(name)
     camera = _core.Camera(np.eye(4), (-0.6, 0.6, -0.5, 0.5))
-    aovs = options.pop("aovs", AOVS)
-    settings = _core.ViewSettings(width, height, samples=samples, max_depth=5, aovs=aovs)
+    settings = _core.ViewSettings(width, height, **view)
     return _core.Renderer(camera, settings, **options)
 
 

@@ -5,44 +5,28 @@ the edits, threads, order of cells, trees and floating-point state of the host."
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import edits
 import scenes
 from irt_usd import _core
 
 
-@given(
-    edits=scenes.shot,
-    samples=st.sampled_from((1, 4)),
-    size=st.sampled_from(((24, 20), (24, 20), (33, 17), (7, 5), (1, 1))),
-)
-@settings(max_examples=500, deadline=None)
-def test_film_after_edits_is_that_of_a_fresh_renderer(
-    edits: list[list[tuple[Any, ...]]], samples: int, size: tuple[int, int]
-) -> None:
-    state = scenes.initial()
-    renderer = scenes.renderer(*size, samples=samples)
-    renderer.update(state.fresh())
-    for frame in edits:
-        done = renderer.update(state.apply(frame))
-        assert done["restart"] is None
-        renderer.validate()
-        judge = scenes.renderer(*size, samples=samples, history=False)
-        judge.update(state.fresh())
-        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
-        assert done["all_rays"] == judge.update(_core.ChangeSet())["all_rays"]
+@given(shot=edits.shots())
+@settings(max_examples=600, deadline=None)
+def test_film_after_edits_is_that_of_a_fresh_renderer(shot: edits.Shot) -> None:
+    edits.play(shot)
 
 
-@given(edits=scenes.shot)
+@given(shot=edits.shots())
 @settings(max_examples=60, deadline=None)
-def test_every_pixel_is_that_of_the_brute_force_twin(edits: list[list[tuple[Any, ...]]]) -> None:
-    state = scenes.initial()
-    for frame in edits:
+def test_every_pixel_is_that_of_the_brute_force_twin(shot: edits.Shot) -> None:
+    state = edits.start(shot.start)
+    for frame in shot.frames:
         state.apply(frame)
     renderer = scenes.renderer(12, 10)
     renderer.update(state.fresh())
@@ -54,18 +38,16 @@ def test_every_pixel_is_that_of_the_brute_force_twin(edits: list[list[tuple[Any,
                 assert twin[name].tobytes() == renderer.aov(name)[y, x].tobytes()
 
 
-@given(edits=scenes.shot, order=st.permutations(range(64)))
+@given(shot=edits.shots(), order=st.permutations(range(64)))
 @settings(max_examples=30, deadline=None)
-def test_threads_and_cell_order_do_not_show(
-    edits: list[list[tuple[Any, ...]]], order: list[int]
-) -> None:
+def test_threads_and_cell_order_do_not_show(shot: edits.Shot, order: list[int]) -> None:
     films = set()
     for options in ({"threads": 1}, {"threads": 2}, {"threads": 3}, {"threads": 7},
                     {"cell_order": order}, {"history": False}):  # fmt: skip
-        state = scenes.initial()
+        state = edits.start(shot.start)
         renderer = scenes.renderer(**options)
         renderer.update(state.fresh())
-        for frame in edits:
+        for frame in shot.frames:
             renderer.update(state.apply(frame))
         films.add(scenes.film_bits(renderer))
     assert len(films) == 1
@@ -189,7 +171,7 @@ def test_scene_far_from_the_origin_renders_as_at_the_origin() -> None:
     away = np.array([1e7, -1e7, 1e7])
     there = scenes.State(materials=here.materials, lights=here.lights)
     for name, (shape, matrix, material) in here.objects.items():
-        moved = matrix.copy()
+        moved = np.array(matrix, float)
         moved[3, :3] += away
         there.objects[name] = (shape, moved, material)
     films = []
@@ -206,6 +188,7 @@ def test_scene_far_from_the_origin_renders_as_at_the_origin() -> None:
 
 HOST_STATE = """
 import ctypes, sys
+import edits
 import scenes
 from irt_usd import _core
 FLUSH_TO_ZERO_AND_TOWARDS_ZERO = 0x1F80 | 0x8040 | 0x6000

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random sequences of every kind of edit, and whether a renderer that follows one shows the film of
+a fresh one. Few places, sizes and materials: planes are shared, objects coincide, what was removed
+comes back under its name, and edits are undone."""
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from hypothesis import strategies as st
+
+import scenes
+from scenes import BOX, Edit
+
+T = TypeVar("T")
+Pick = Callable[[Sequence[Any]], Any]
+"""One of several, by a property test's search or by a generator of random numbers."""
+
+NAMES = ("/a", "/b", "/c", "/d", "/e")
+MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
+LIGHTS = ("/key", "/fill")
+
+COORDINATES = (0.0, 1.0, -1.0, 0.5, -0.5, 2.0, -2.0, 1.0 / 3.0)
+SIZES = (1.0, 0.5, 2.0)
+SHARES = (0.0, 0.2, 0.5, 1.0)
+OFFSETS = (0.0, 0.25, -0.5, 0.01, 1.0, -2.0)
+OUT_OF_BOUNDS = ((30.0, 0.0, 0.0), (0.0, 0.0, -25.0), (0.0, 12.0, -9.0), (0.0, 0.0, 8.0))
+C, S = 0.8, 0.6
+PLAIN = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+TURNS = (
+    ((C, S, 0.0), (-S, C, 0.0), (0.0, 0.0, 1.0)),
+    ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)),
+    ((C, 0.0, -S), (0.0, 1.0, 0.0), (S, 0.0, C)),
+)
+SCALES = ((0.5, 0.5, 0.5), (2.0, 2.0, 2.0), (1.0, 2.0, 0.5), (-1.0, 1.0, 1.0), (3.0, 1.0, 0.125))
+DIRECTIONS = ((0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, -1.0, -1.0), (-0.3, -0.9, 0.1))
+LOOKS: dict[str, Sequence[Any]] = {
+    "metallic": SHARES,
+    "roughness": (0.0, 0.05, 0.3, 1.0),
+    "opacity": (1.0, 0.0, 0.25, 0.9),
+    "opacity_threshold": (0.0, 0.3),
+    "ior": (1.0, 1.33, 1.5),
+    "emissive_color": ((0.0, 0.0, 0.0), (0.5, 0.25, 0.0)),
+    "use_specular_workflow": (False, True),
+}
+
+
+def diagonal(scales: Sequence[float]) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(s if i == k else 0.0 for k in range(3)) for i, s in enumerate(scales))
+
+
+def color(pick: Pick) -> tuple[float, ...]:
+    return pick(SHARES), pick(SHARES), pick(SHARES)
+
+
+def point(pick: Pick) -> tuple[float, ...]:
+    return pick(COORDINATES), pick(COORDINATES), pick(COORDINATES)
+
+
+def geometry(pick: Pick) -> tuple[Any, ...]:
+    kind = pick(("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "pair"))
+    if kind == "box":
+        return kind, pick((False, True)), BOX
+    if kind == "pair":
+        return kind, 0.5, pick(MATERIALS)
+    if kind in ("sphere", "cube"):
+        return kind, pick(SIZES)
+    return kind, pick(SIZES), pick(SIZES)
+
+
+def transform(pick: Pick) -> tuple[tuple[float, ...], ...]:
+    """Axis-aligned or turned, mirrored or not, scaled alike or not; in front of the camera."""
+    turn = pick((PLAIN, *TURNS))
+    scales = pick(((1.0, 1.0, 1.0), *SCALES[:4]))
+    x, y, z = point(pick)
+    rows = [tuple(s * value for value in row) for s, row in zip(scales, turn, strict=True)]
+    return (*((*row, 0.0) for row in rows), (x, y, z - 5.0, 1.0))
+
+
+def material(pick: Pick) -> dict[str, Any]:
+    look = {name: pick(values) for name, values in LOOKS.items()}
+    return {**look, "diffuse_color": color(pick), "specular_color": color(pick)}
+
+
+def light(pick: Pick) -> tuple[Any, ...]:
+    kind = pick(("distant", "point"))
+    aim = pick(DIRECTIONS) if kind == "distant" else point(pick)
+    return kind, aim, color(pick), pick((True, True, False))
+
+
+def look(pick: Pick) -> dict[str, Any]:
+    name = pick((*LOOKS, "diffuse_color", "specular_color"))
+    return {
+        name: color(pick) if name.endswith("e_color") or name not in LOOKS else pick(LOOKS[name])
+    }
+
+
+EDITS: dict[str, Callable[[Pick], Edit]] = {
+    "move": lambda pick: ("move", pick(NAMES), transform(pick)),
+    "shift": lambda pick: ("shift", pick((*NAMES, "/floor")), tuple(pick(OFFSETS) for _ in "xyz")),
+    "leave the bounds": lambda pick: ("shift", pick(NAMES), pick(OUT_OF_BOUNDS)),
+    "rotate": lambda pick: ("transform", pick(NAMES), pick(TURNS)),
+    "scale": lambda pick: ("transform", pick(NAMES), diagonal(pick(SCALES))),
+    "resize": lambda pick: ("resize", pick(NAMES), (pick((0.5, 1.5)), pick((1.0, 0.7)))),
+    "deform": lambda pick: (
+        "deform",
+        pick(NAMES),
+        pick(range(8)),
+        pick(((0.3, 0.0, 0.0), (0.0, 0.25, -0.5))),
+    ),
+    "add": lambda pick: ("object", pick(NAMES), geometry(pick), transform(pick), pick(MATERIALS)),
+    "coincide": lambda pick: ("copy", pick(NAMES), pick(NAMES), pick(MATERIALS)),
+    "delete": lambda pick: ("remove", pick(NAMES)),
+    "hide": lambda pick: ("hide", pick((*NAMES, "/floor"))),
+    "show": lambda pick: ("show", pick((*NAMES, "/floor"))),
+    "rebind": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(MATERIALS)),
+    "material": lambda pick: ("material", pick(MATERIALS), material(pick)),
+    "look": lambda pick: ("look", pick(MATERIALS), look(pick)),
+    "light": lambda pick: ("light", pick(LIGHTS), light(pick)),
+    "light off": lambda pick: ("dark", pick(LIGHTS)),
+    "light aimed": lambda pick: ("aim", pick(LIGHTS), pick(DIRECTIONS)),
+    "light's energy": lambda pick: ("shine", pick(LIGHTS), color(pick)),
+    "undo": lambda pick: ("undo", pick((1, 1, 2, 3))),
+}
+
+STARTS: dict[str, Callable[[], scenes.State]] = {
+    "plain": scenes.initial,
+    "glass": scenes.glass_before_floor,
+    "crowd": scenes.crowd,
+}
+
+
+def start(name: str) -> scenes.State:
+    """A state to begin with: nothing leads back to before it."""
+    state = STARTS[name]()
+    state.past.clear()
+    return state
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A scene to begin with and edits frame by frame. Its repr makes it again."""
+
+    start: str
+    frames: list[list[Edit]]
+    size: tuple[int, int] = (24, 20)
+    samples: int = 1
+    throughput_cutoff: float = 0.0009765625
+
+
+def random_shot(pick: Pick) -> Shot:
+    frames = [
+        [EDITS[pick(tuple(EDITS))](pick) for _ in range(pick((1, 1, 2, 3, 0)))]
+        for _ in range(pick((1, 2, 3, 4, 6)))
+    ]
+    return Shot(
+        pick(tuple(STARTS)),
+        frames,
+        pick(((24, 20), (24, 20), (33, 17), (7, 5), (1, 1))),
+        pick((1, 1, 4)),
+        pick((0.0009765625, 0.0009765625, 0.25)),
+    )
+
+
+@st.composite
+def shots(draw: st.DrawFn) -> Shot:
+    return random_shot(lambda options: draw(st.sampled_from(options)))
+
+
+def seeded_shot(seed: int) -> Shot:
+    return random_shot(random.Random(seed).choice)
+
+
+def play(shot: Shot) -> list[dict[str, Any]]:
+    """Follows a shot and returns the statistics of its updates. Every frame's film must be that of
+    a fresh renderer, its history valid, and no update a restart: AssertionError, or RuntimeError
+    on a broken invariant."""
+    options: dict[str, Any] = {"samples": shot.samples, "throughput_cutoff": shot.throughput_cutoff}
+    state = start(shot.start)
+    renderer = scenes.renderer(*shot.size, **options)
+    statistics = [renderer.update(state.fresh())]
+    renderer.validate()
+    for number, frame in enumerate(shot.frames, start=1):
+        done = renderer.update(state.apply(frame))
+        statistics.append(done)
+        renderer.validate()
+        judge = scenes.renderer(*shot.size, history=False, **options)
+        judged = judge.update(state.fresh())
+        assert done["restart"] is None, f"frame {number}: {done['restart']}"
+        assert scenes.film_bits(renderer) == scenes.film_bits(judge), f"frame {number} differs"
+        assert done["all_rays"] == judged["all_rays"], f"frame {number}: other rays"
+    return statistics
