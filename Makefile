@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# make setup | demo | test | check | format | bench | exact-hits | fingerprint | clean
+# make setup | demo | test | check | format | bench | fuzz | exact-hits | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -15,8 +15,8 @@ VENV := .venv
 BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
-.PHONY: setup build system-packages test test-cpp test-python check format demo bench exact-hits \
-    fingerprint clean
+.PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
+    exact-hits fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -89,6 +89,11 @@ bench: setup
 	@$(PIP) --requirement <($(VENV)/bin/python .ci/tools/python-dependencies bench)
 	@$(VENV)/bin/python -m shots.bench.make_bench build/bench
 	@DRJIT_LIBLLVM_PATH="$$(ls /usr/lib/*/libLLVM.so.19* | head -n 1)" $(VENV)/bin/irt bench trace
+
+## Random sequences of edits until interrupted; FUZZ="--seconds 3600" ends it.
+FUZZ :=
+fuzz: setup
+	@$(VENV)/bin/python tests/python/fuzz.py $(FUZZ)
 
 exact-hits: $(BUILD)/.tests-built
 	@$(BUILD)/exact_hits
