@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# make setup | demo | test | check | format | bench | fuzz | exact-hits | fingerprint | clean
+# make setup | demo | test | check | format | bench | fuzz | mutants | exact-hits | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -16,7 +16,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    exact-hits fingerprint clean
+    mutants exact-hits fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -94,6 +94,20 @@ bench: setup
 FUZZ :=
 fuzz: setup
 	@$(VENV)/bin/python tests/python/fuzz.py $(FUZZ)
+
+# A build of its own, whose faults and ablations (cpp/irt/mutant.h) the environment switches on.
+MUTANTS := build/mutants
+$(MUTANTS)/.built: $(VENV)/.built $(shell find tests/cpp)
+	@echo "Building the test build of the core"
+	@cmake -S cpp -B $(MUTANTS) -G Ninja -D IRT_MUTANTS=ON -D IRT_BUILD_TESTS=ON \
+	    -D Python_EXECUTABLE="$(CURDIR)/$(VENV)/bin/python" \
+	    -D pybind11_DIR="$$($(VENV)/bin/python -m pybind11 --cmakedir)" >$(MUTANTS).log
+	@cmake --build $(MUTANTS) --target _core irt_tests
+	@touch $@
+
+## That the tests can fail: each fault must show in one of them.
+mutants: $(MUTANTS)/.built
+	@IRT_TEST_BUILD="$(CURDIR)/$(MUTANTS)" $(VENV)/bin/pytest tests/python/test_mutants.py -rP
 
 exact-hits: $(BUILD)/.tests-built
 	@$(BUILD)/exact_hits

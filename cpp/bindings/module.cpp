@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "irt/film/film.h"
 #include "irt/fingerprint.h"
+#include "irt/mutant.h"
 #include "irt/trace/intersector.h"
 
 PYBIND11_MODULE(_core, module) {
@@ -17,5 +18,9 @@ PYBIND11_MODULE(_core, module) {
     module.attr("AOVS") = names;
     module.def("numeric_fingerprint", &irt::numeric_fingerprint, py::arg("isa") = "avx2");
     module.def("versions", &irt::versions);
+#ifdef IRT_MUTANTS
+    module.attr("MUTANTS") = irt::mutant_names();
+    module.attr("STRUCTURES") = irt::structure_names();
+#endif
     module.def("best_isa", &irt::trace::best_isa);
 }

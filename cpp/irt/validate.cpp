@@ -7,6 +7,7 @@
 #include "irt/math/bits.h"
 #include "irt/math/float_state.h"
 #include "irt/renderer.h"
+#include "irt/shade/whitted.h"
 
 namespace irt {
 
@@ -47,31 +48,42 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
     const shade::Shading shading(scene, settings_.shade);
     const update::Plan nothing;
     film::Film recorded(film_);
+    const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade);
+    shade::Scratch scratch = whitted.make_scratch();
     for (int k = 0; k < cells::cell_count; ++k) {
         const std::string where = "cell " + std::to_string(k);
+        const auto require = [&](bool holds, const char* invariant) {
+            if (!holds) throw std::logic_error(where + ": broken: " + invariant);
+        };
         history::RayTrees& trees = history_->cells[static_cast<std::size_t>(k)];
         check_invariants(trees, history_->table, shading, intersector, where);
         update::CellLists lists;
         const update::CellUpdate cell(shading, intersector, nothing, history_->table, trees, lists);
         history::SampleIndex sample = 0;
+        scratch.counts = {};
         const auto [dx, dy] = cells::cell_offset(k);
         for (int y = dy; y < settings_.height; y += cells::cell_stride)
             for (int x = dx; x < settings_.width; x += cells::cell_stride) {
                 const history::SampleIndex first = sample;
-                for (int s = 0; s < settings_.samples; ++s, ++sample) {
-                    const trace::Ray primary = primary_ray(x, y, s);
-                    const bool primaries =
-                        sample < trees.roots.size() &&
-                        same_bits(trees.ray(trees.roots[sample]).origin, primary.origin) &&
-                        same_bits(trees.ray(trees.roots[sample]).direction, primary.direction);
-                    if (!primaries)
-                        throw std::logic_error(where + ", sample " + std::to_string(sample) +
-                                               ": broken: a root holds the sample's primary ray");
+                sample += static_cast<history::SampleIndex>(settings_.samples);
+                require(sample <= trees.roots.size(), "a root a sample");
+                if (trees.roots[first] & history::settled_bit) {
+                    recorded.set(x, y, traced_pixel(whitted, x, y, scratch));
+                    continue;
+                }
+                for (int s = 0; s < settings_.samples; ++s) {
+                    const auto root = first + static_cast<history::SampleIndex>(s);
+                    const trace::Ray primary = primary_ray(x, y, s),
+                                     kept = trees.ray(trees.roots[root]);
+                    require(same_bits(kept.origin, primary.origin) &&
+                                same_bits(kept.direction, primary.direction),
+                            "a root holds its sample's primary ray");
                 }
                 recorded.set(x, y, recorded_pixel(cell, first));
             }
-        if (sample != trees.roots.size())
-            throw std::logic_error(where + ": broken: a root a sample");
+        require(sample == trees.roots.size(), "a root a sample");
+        require(scratch.counts.rays() == trees.settled_rays,
+                "settled_rays counts the rays of settled samples");
     }
     require_same(film_, recorded);
 }

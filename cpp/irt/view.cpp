@@ -163,6 +163,10 @@ film::PixelValue View::traced_pixel(const shade::Whitted<Source>& whitted, int x
     });
 }
 
+/// For validate.cpp, too.
+template film::PixelValue View::traced_pixel(const shade::Whitted<trace::Intersector>& whitted,
+                                             int x, int y, shade::Scratch& scratch) const;
+
 film::PixelValue View::recorded_pixel(const update::CellUpdate& cell,
                                       history::SampleIndex first_sample) const {
     return pixel([&](int s, shade::FirstHit& first) {

@@ -66,7 +66,7 @@ TEST(PathTable, FigureFive) {
     scene.extend(V3d(-3, 1, 5));
     scene.extend(V3d(4, 2, 11));
     PathTable table;
-    table.reset(VoxelGrid(scene), 100);
+    table.reset(VoxelGrid(scene), 100, false);
     const auto entry = [&](const V2d& from, const V2d& to) {
         constexpr double z = layer + 0.5;
         return table.intern(
@@ -181,7 +181,7 @@ TEST(Regions, WhatLeavesTheGridMeetsWhatChangedOutside) {
 
 TEST(PathTable, ThreadsThatInternAtOnceShareEntries) {
     PathTable table;
-    table.reset(VoxelGrid(), 20000);
+    table.reset(VoxelGrid(), 20000, false);
     constexpr std::size_t threads = 4, lookups = 40000;
     std::vector<std::vector<std::pair<Path, PathIndex>>> found(threads);
     std::vector<std::thread> running;
@@ -206,7 +206,7 @@ TEST(PathTable, ThreadsThatInternAtOnceShareEntries) {
 
 TEST(PathTable, PathsThatFindNoPlaceAreAlwaysFlagged) {
     PathTable table;
-    table.reset(VoxelGrid(), 0);
+    table.reset(VoxelGrid(), 0, false);
     std::mt19937 random(5);
     std::size_t crowded_out = 0;
     for (std::size_t i = 0; i < 4 * table.capacity(); ++i) {
@@ -231,10 +231,10 @@ TEST(PathTable, PathsThatFindNoPlaceAreAlwaysFlagged) {
 
 TEST(PathTable, EmptiedTablesForgetTheirPaths) {
     PathTable table;
-    table.reset(VoxelGrid(), 100);
+    table.reset(VoxelGrid(), 100, false);
     (void)table.intern(path_of({1, 2, 3}, {4, 5, 6}));
     EXPECT_EQ(table.entries(), 1u);
-    table.reset(VoxelGrid(), 100);
+    table.reset(VoxelGrid(), 100, false);
     EXPECT_EQ(table.entries(), 0u);
 }
 

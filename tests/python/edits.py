@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from hypothesis import strategies as st
 
 import scenes
+from irt_usd import _core
 from scenes import BOX, Edit
 
 T = TypeVar("T")
@@ -128,6 +129,7 @@ STARTS: dict[str, Callable[[], scenes.State]] = {
     "plain": scenes.initial,
     "glass": scenes.glass_before_floor,
     "crowd": scenes.crowd,
+    "hall": scenes.hall,
 }
 
 
@@ -147,6 +149,7 @@ class Shot:
     size: tuple[int, int] = (24, 20)
     samples: int = 1
     throughput_cutoff: float = 0.0009765625
+    foreseen: bool = False  # the renderer is told beforehand what will change
 
 
 def random_shot(pick: Pick) -> Shot:
@@ -160,6 +163,7 @@ def random_shot(pick: Pick) -> Shot:
         pick(((24, 20), (24, 20), (33, 17), (7, 5), (1, 1))),
         pick((1, 1, 4)),
         pick((0.0009765625, 0.0009765625, 0.25)),
+        pick((False, False, True)),
     )
 
 
@@ -172,13 +176,22 @@ def seeded_shot(seed: int) -> Shot:
     return random_shot(random.Random(seed).choice)
 
 
-def play(shot: Shot) -> list[dict[str, Any]]:
+def foreseen(shot: Shot) -> _core.Foreseen:
+    state = start(shot.start)
+    known = _core.Foreseen(state.fresh())
+    for frame in shot.frames:
+        known.add(state.apply(frame))
+    return known
+
+
+def play(shot: Shot, cost_model: bool = False) -> list[dict[str, Any]]:
     """Follows a shot and returns the statistics of its updates. Every frame's film must be that of
-    a fresh renderer, its history valid, and no update a restart: AssertionError, or RuntimeError
-    on a broken invariant."""
+    a fresh renderer, its history valid, and no update a restart but for cost, where a cost model is
+    asked: AssertionError, or RuntimeError on a broken invariant."""
     options: dict[str, Any] = {"samples": shot.samples, "throughput_cutoff": shot.throughput_cutoff}
     state = start(shot.start)
-    renderer = scenes.renderer(*shot.size, **options)
+    known = foreseen(shot) if shot.foreseen else None
+    renderer = scenes.renderer(*shot.size, foreseen=known, cost_model=cost_model, **options)
     statistics = [renderer.update(state.fresh())]
     renderer.validate()
     for number, frame in enumerate(shot.frames, start=1):
@@ -187,7 +200,9 @@ def play(shot: Shot) -> list[dict[str, Any]]:
         renderer.validate()
         judge = scenes.renderer(*shot.size, history=False, **options)
         judged = judge.update(state.fresh())
-        assert done["restart"] is None, f"frame {number}: {done['restart']}"
+        restart = done["restart"]
+        for_cost = cost_model and str(restart).startswith("cost")
+        assert restart is None or for_cost, f"frame {number}: {restart}"
         assert scenes.film_bits(renderer) == scenes.film_bits(judge), f"frame {number} differs"
         assert done["all_rays"] == judged["all_rays"], f"frame {number}: other rays"
     return statistics

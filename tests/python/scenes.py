@@ -248,6 +248,17 @@ def crowd() -> State:
     return state
 
 
+def hall() -> State:
+    """A crowd before a wall of many balls, beside which what has moved is little: it is not soon
+    folded into what stands still."""
+    state = crowd()
+    for i in range(36):
+        matrix = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (i % 6 - 2.5, i // 6 - 1.5, -8, 1))
+        ball = ("sphere", 0.5) if i % 3 else ("box", False, BOX)
+        state.apply([("object", f"/wall/{i:02}", ball, matrix, ("/red", "/mirror")[i % 2])])
+    return state
+
+
 def floor(height: float = 0.0) -> tuple[tuple[float, ...], ...]:
     """A plane's transform: facing up, below the camera."""
     return ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, -1 + height, -5, 1))

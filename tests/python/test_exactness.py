@@ -4,6 +4,7 @@ the edits, threads, order of cells, trees and floating-point state of the host."
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -249,8 +250,8 @@ def test_retraced_rays_are_told_by_pixel() -> None:
     for threads in (1, 2):
         renderer = scenes.renderer(40, 30, samples=4, threads=threads, aovs=("irt.retraced",))
         counts: list[bytes] = []
-        for edits in ([], [("move", "/a", scenes.floor(1.2))], []):
-            done = renderer.update(state.fresh() if not counts else state.apply(edits))
+        for frame in ([], [("move", "/a", scenes.floor(1.2))], []):
+            done = renderer.update(state.fresh() if not counts else state.apply(frame))
             rays = renderer.aov("irt.retraced")
             assert rays.sum() == done["retraced_rays"]
             counts.append(rays.tobytes())
@@ -259,18 +260,10 @@ def test_retraced_rays_are_told_by_pixel() -> None:
     assert films[1] == films[2]
 
 
-@given(edits=scenes.shot)
+@given(shot=edits.shots())
 @settings(max_examples=60, deadline=None)
-def test_the_cost_model_does_not_show(edits: list[list[tuple[Any, ...]]]) -> None:
-    state = scenes.initial()
-    renderer = scenes.renderer(40, 32, cost_model=True)
-    renderer.update(state.fresh())
-    for frame in edits:
-        done = renderer.update(state.apply(frame))
-        assert done["restart"] is None or done["restart"].startswith("cost")
-        judge = scenes.renderer(40, 32, history=False)
-        judge.update(state.fresh())
-        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
+def test_the_cost_model_does_not_show(shot: edits.Shot) -> None:
+    edits.play(replace(shot, size=(40, 32)), cost_model=True)
 
 
 def test_restarts_wait_longer_each_time() -> None:
@@ -288,32 +281,11 @@ def test_restarts_wait_longer_each_time() -> None:
     assert 2 <= sum(recorded) <= 4
 
 
-@given(edits=scenes.shot, samples=st.sampled_from((1, 4)))
-@settings(max_examples=200, deadline=None)
-def test_a_shot_that_is_foreseen(edits: list[list[tuple[Any, ...]]], samples: int) -> None:
-    state = scenes.initial()
-    foreseen = _core.Foreseen(state.fresh())
-    changes = []
-    for frame in edits:
-        changes.append(state.apply(frame))
-        foreseen.add(changes[-1])
-    state = scenes.initial()
-    renderer = scenes.renderer(samples=samples, foreseen=foreseen)
-    renderer.update(state.fresh())
-    for frame in edits:
-        done = renderer.update(state.apply(frame))
-        assert done["restart"] is None
-        judge = scenes.renderer(samples=samples, history=False)
-        judge.update(state.fresh())
-        assert scenes.film_bits(renderer) == scenes.film_bits(judge)
-        assert done["all_rays"] == judge.update(_core.ChangeSet())["all_rays"]
-
-
 def test_what_was_not_foreseen_starts_again() -> None:
     still = scenes.initial()
     foreseen = _core.Foreseen(still.fresh())
     foreseen.add(still.apply([("move", "/a", scenes.floor(1.1))]))
-    for edits in (
+    for frame in (
         [("move", "/a", scenes.floor(1.2))],
         [("move", "/floor", scenes.floor(0.1))],
         [("bind", "/floor", "/mirror")],
@@ -325,7 +297,7 @@ def test_what_was_not_foreseen_starts_again() -> None:
         renderer = scenes.renderer(foreseen=foreseen)
         renderer.update(state.fresh())
         assert renderer.update(state.apply([("move", "/a", scenes.floor(1.1))]))["restart"] is None
-        done = renderer.update(state.apply(edits))
+        done = renderer.update(state.apply(frame))
         assert "foreseen" in done["restart"]
         judge = scenes.renderer(history=False)
         judge.update(state.fresh())
@@ -336,15 +308,15 @@ def test_what_nothing_can_reach_is_not_kept() -> None:
     state = scenes.initial()
     foreseen = _core.Foreseen(state.fresh())
     dim = ("light", "/key", _core.Light.distant((0.3, -1, -0.2), (0.5, 0.5, 0.4)))
-    edits: list[list[tuple[Any, ...]]] = [[("move", "/a", scenes.floor(1.01))], [dim]]
-    for frame in edits:
+    frames: list[list[scenes.Edit]] = [[("move", "/a", scenes.floor(1.01))], [dim]]
+    for frame in frames:
         foreseen.add(state.apply(frame))
     kept = []
     for known in (None, foreseen):
         state = scenes.initial()
         renderer = scenes.renderer(160, 120, foreseen=known)
         kept.append(renderer.update(state.fresh())["history"]["nodes"])
-        for frame in edits:
+        for frame in frames:
             assert renderer.update(state.apply(frame))["restart"] is None
         judge = scenes.renderer(160, 120, history=False)
         judge.update(state.fresh())

@@ -61,8 +61,14 @@ class Checker {
         sizes();
         node_used_.assign(trees_.nodes.size(), false);
         point_used_.assign(trees_.points.size(), false);
+        settled_used_.assign(trees_.settled_count, false);
         for (SampleIndex sample = 0; sample < trees_.roots.size(); ++sample)
-            branch(trees_.roots[sample], root_bit | sample, 0, 0);
+            if (trees_.roots[sample] & settled_bit)
+                settled(trees_.roots[sample] & ~settled_bit);
+            else
+                branch(trees_.roots[sample], root_bit | sample, 0, 0);
+        require(std::count(settled_used_.begin(), settled_used_.end(), false) == 0,
+                "every settled intensity belongs to a sample");
         free_list("node", trees_.free_nodes, node_used_);
         free_list("point", trees_.free_points, point_used_);
         free_entries();
@@ -91,13 +97,19 @@ class Checker {
         require(trees_.behind.size() == points && trees_.material_bits.size() == points,
                 "arrays by point are of one size");
         require(trees_.columns.size() == lights_.size() + 1, "a column a light, and one");
+        require(trees_.settled_count == 0 || trees_.settled.size() == trees_.columns.size(),
+                "a column of settled intensities a light, and one");
         require(trees_.lights.size() == lights_.size(), "light nodes for every light");
         require(trees_.emits || !shading_.emits(), "an emitting scene has an unscaled column");
         for (std::size_t c = 0; c < trees_.columns.size(); ++c) {
-            const std::size_t size = c > 0 || trees_.emits ? points : 0;
+            const bool used = c > 0 || trees_.emits;
+            const std::size_t size = used ? points : 0;
             require(
                 trees_.columns[c].own.size() == size && trees_.columns[c].cumulative.size() == size,
                 "columns have an entry a point");
+            require(trees_.settled_count == 0 ||
+                        trees_.settled[c].size() == (used ? trees_.settled_count : 0),
+                    "columns have an entry a settled sample");
         }
         for (std::size_t l = 0; l < lights_.size(); ++l) {
             const LightNodes& light = trees_.lights[l];
@@ -107,6 +119,12 @@ class Checker {
             require(light.paths.size() == size && light.occlusions.size() == size,
                     "a light that casts shadows has a light node a point, others have none");
         }
+    }
+
+    void settled(std::uint32_t place) {
+        require(place < settled_used_.size() && !settled_used_[place], "settled sample", place,
+                "a settled intensity belongs to one sample");
+        settled_used_[place] = true;
     }
 
     /// A node reached from `parent`, and all below it.
@@ -127,6 +145,7 @@ class Checker {
         ++points_;
         const KeptPoint& kept = trees_.points[node.point];
         require(kept.node == index, index, "the point's node is the one that has it");
+        require(seen.piece == kept.piece, index, "the kept piece is that of the visible hit");
         behind(index);
         const shade::VisiblePoint point = shading_.visible_point(trees_.ray(index), seen);
         require(trees_.material_bits[node.point] == point.surface.material % 64, index,
@@ -298,7 +317,7 @@ class Checker {
     const std::string& where_;
     const Scene& scene_;
     const std::vector<LightSlot>& lights_;
-    std::vector<bool> node_used_, point_used_;
+    std::vector<bool> node_used_, point_used_, settled_used_;
     std::size_t nodes_ = 0, points_ = 0;
     std::uint64_t shadow_rays_ = 0;
 };

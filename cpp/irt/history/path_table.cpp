@@ -60,6 +60,10 @@ bool PathTable::reaches(PathIndex index, const Regions& regions) {
 void PathTable::clear_flags() {
     std::fill(flags_.begin(), flags_.end(), 0);
     flags_[0] = 1u << any_path;
+    if (without(Structure::path_flags)) {
+        std::fill(flags_.begin(), flags_.end(), ~0u);
+        flags_[0] &= ~(1u << no_path);
+    }
 }
 
 void PathTable::flag(const Regions& regions, std::size_t begin, std::size_t end) {

@@ -91,12 +91,15 @@ trace::Box crowded_box(std::vector<trace::Box> boxes) {
     return crowd;
 }
 
-void Regions::add(const VoxelSet& set, const trace::Box& bounds, std::size_t most_boxes) {
+void Regions::add(const VoxelSet& set, const trace::Box& within, std::size_t most_boxes) {
+    trace::Box bounds = within;
+    if (without(Structure::region_bounds)) bounds = {V3d(0), V3d(grid_side)};
     outside_ = outside_ || set.outside();
     std::vector<VoxelBox> boxes = boxes_of(set);
     for (std::int32_t size = 2; boxes.size() > most_boxes; size *= 2)
         boxes = boxes_of(in_blocks(set, size));
-    constexpr double reach = 0.5 + 2 * VoxelGrid::dilation;
+    const double reach = 0.5 + (mutated(Mutant::no_dilation) ? 0 : 2 * VoxelGrid::dilation);
+    if (mutated(Mutant::dropped_voxel) && !boxes.empty()) boxes.erase(boxes.begin());
     for (const VoxelBox& box : boxes) {
         Enlarged enlarged{};
         for (int a = 0; a < 3; ++a) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "irt/math/vec.h"
+#include "irt/mutant.h"
 #include "irt/trace/box.h"
 
 namespace irt::history {
@@ -45,7 +46,7 @@ class VoxelSet {
             upper_[a] = std::max(upper_[a], voxel[a] + 1);
         }
     }
-    void add_outside() { outside_ = true; }
+    void add_outside() { outside_ = !mutated(Mutant::outside_ignored); }
     [[nodiscard]] bool has(const Voxel& voxel) const { return voxels_.test(index(voxel)); }
     [[nodiscard]] bool outside() const { return outside_; }
     /// Its voxels are within [lower, upper) on each axis.

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 
+#include "irt/mutant.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/ray.h"
 
@@ -36,6 +38,8 @@ inline bool add_occluder(const Scene& scene, std::uint32_t object, std::uint32_t
         opaque = opaque && depth.rgb[c] >= depth_opaque;
         sum.depth.rgb[c] =
             std::min(sum.depth.rgb[c] + std::min(depth.rgb[c], depth_opaque), depth_opaque);
+        if (mutated(Mutant::tints_in_order) && sum.depth.rgb[c] < depth_opaque)
+            sum.depth.rgb[c] &= ~(std::bit_floor(sum.depth.rgb[c]) / 16 - 1);
         black = black && sum.depth.rgb[c] == depth_opaque;
     }
     if (opaque) sum.blocker = object;

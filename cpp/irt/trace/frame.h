@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "irt/mutant.h"
 #include "irt/trace/judge_ray.h"
 #include "irt/trace/packets.h"
 
@@ -39,7 +40,7 @@ struct Frame {
     double half = 0;  ///< everything in the tree lies within this of the centre, on each axis
     Box box;          ///< trace space, of everything in the tree, padded
 
-    [[nodiscard]] double pad() const { return box_pad * half; }
+    [[nodiscard]] double pad() const { return mutated(Mutant::no_box_pad) ? 0 : box_pad * half; }
 };
 
 /// The ray handed to Embree: t there is (t - start) * scale. Each three numbers are followed by the
@@ -50,6 +51,7 @@ struct EmbreeRay {
 
     /// Embree's limit for a search that has to find everything up to `t`.
     [[nodiscard]] float limit(double t) const {
+        if (mutated(Mutant::search_ends_short) && t < 1e300) t -= 2 * t * search_slack;
         return static_cast<float>((t + t * search_slack - start) * scale) +
                std::numeric_limits<float>::min();
     }

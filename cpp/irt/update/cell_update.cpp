@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "irt/math/bits.h"
+#include "irt/mutant.h"
 
 namespace irt::update {
 
@@ -140,12 +141,24 @@ void CellUpdate::detect() {
             table_.for_each_flagged(trees_.lights[l].paths, [&](std::size_t p) {
                 lists_.flagged_shadows.push_back({static_cast<PointIndex>(p), l});
             });
+        if (without(Structure::shadow_records)) {
+            lists_.flagged_shadows.clear();
+            for (std::uint32_t l = 0; l < lights_.size(); ++l)
+                for (PointIndex p = 0; p < trees_.lights[l].paths.size(); ++p)
+                    if (trees_.lights[l].paths[p] != no_path)
+                        lists_.flagged_shadows.push_back({p, l});
+        }
         counts_.flagged += lists_.flagged.size() + lists_.flagged_shadows.size();
     }
     if (plan_.material_mask == 0) return;
     for (PointIndex p = 0; p < trees_.material_bits.size(); ++p) {
         const std::uint8_t bit = trees_.material_bits[p];
-        if (bit == history::no_material_bit || !(plan_.material_mask >> bit & 1)) continue;
+        if (bit == history::no_material_bit) continue;
+        if (without(Structure::material_mask)) {
+            mark(trees_.points[p].node, mark_shade);
+            continue;
+        }
+        if (!(plan_.material_mask >> bit & 1)) continue;
         const NodeIndex node = trees_.points[p].node;
         const std::uint32_t object = trees_.nodes[node].visible.object;
         if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
@@ -198,7 +211,9 @@ void CellUpdate::test_segment(NodeIndex index) {
         count_query(index);
         const trace::HitName was = node.visible;
         const trace::Hit limit = seen ? kept_hit(index) : trace::Hit();
-        const trace::Hit now = intersector_.nearest_moving(ray, limit, queries);
+        const trace::Hit now = without(Structure::dynamic_set)
+                                   ? intersector_.nearest(ray, queries)
+                                   : intersector_.nearest_moving(ray, limit, queries);
         if (same(now, limit)) return;
         HitBehind behind;
         if (!seen || !intersector_.moves(was.object))
@@ -210,7 +225,7 @@ void CellUpdate::test_segment(NodeIndex index) {
     ++counts_.uncovered;
     count_retraced(index);
     count_query(index);
-    if (record_holds(node.point)) {
+    if (record_holds(node.point) && !without(Structure::dynamic_set)) {
         const HitBehind record = trees_.behind[node.point];
         const trace::Hit now = intersector_.nearest_moving(
             ray, trace::named_hit(shading_.scene(), ray, record.hit), queries);
@@ -225,6 +240,10 @@ void CellUpdate::test_segment(NodeIndex index) {
 
 bool CellUpdate::record_holds(PointIndex point) const {
     const HitBehind& record = trees_.behind[point];
+    if (without(Structure::intersection_history)) return false;
+    if (mutated(Mutant::stale_record) && record.epoch == intersector_.epoch()) return true;
+    if (mutated(Mutant::stale_epoch) && record.epoch != HitBehind::unknown)
+        return record.hit.object == trace::none || !intersector_.moves(record.hit.object);
     return record.epoch == intersector_.epoch() &&
            (record.hit.object == trace::none || !intersector_.moves(record.hit.object));
 }
@@ -246,7 +265,10 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     const trace::Occlusion was = kept;
     // An opaque blocker that stays keeps the point dark, whatever else moves (DESIGN 4, step 4).
     const bool blocked = was.blocker != trace::none;
-    if (blocked && !plan_.tint_changed[was.blocker]) return;
+    if (blocked && mutated(Mutant::blocker_kept)) return;
+    const bool known = !without(Structure::shadow_records);
+    if (blocked && !plan_.tint_changed[was.blocker] && known && !without(Structure::blocker_names))
+        return;
     ++counts_.tested;
     // The segment, but for the rounding that the boxes allow for.
     const NodeIndex node = trees_.points[point].node;
@@ -258,14 +280,14 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
                              : 1.0;
     const bool arrives = plan_.arrivals.may_meet(from, to_light, t_end);
     const bool clear = !blocked && was.depth == trace::OpticalDepth{};
-    if (!blocked && !arrives &&
+    if (known && !blocked && !arrives &&
         (clear || !plan_.tint_departed || !plan_.departures.may_meet(from, to_light, t_end)))
         return;
     const ShadePoint seen = shade_point_of(node);
     const trace::Ray ray = shading_.shadow_ray(seen, lights_[light]);
     trace::QueryCounts& queries = counts_.rays.queries;
     trace::Occlusion now;
-    if (arrives) {
+    if (arrives && known && !without(Structure::dynamic_set)) {
         ++counts_.rays.shadow;
         now = intersector_.occlusion_moving(ray, queries);
     }
@@ -273,8 +295,10 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     // through, so that it was not there, all is as before; and where all was clear, what stays is
     // so still, unless it began to stop light.
     const bool moving_clear = now.depth == trace::OpticalDepth{};
-    if (!blocked && moving_clear && !plan_.tint_departed) return;
-    const bool settled = now.blocker != trace::none || (clear && !plan_.still_tint_changed);
+    const bool moving_known = known && !without(Structure::dynamic_set);
+    if (moving_known && !blocked && moving_clear && !plan_.tint_departed) return;
+    const bool settled =
+        moving_known && (now.blocker != trace::none || (clear && !plan_.still_tint_changed));
     if (!settled) {
         ++counts_.rays.shadow;
         count_retraced(node);
@@ -283,7 +307,10 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     kept = now;
     if (now.depth == was.depth) return;
     ++counts_.changed;
-    mark(node, mark_walk);
+    if (mutated(Mutant::union_without_shadows))
+        trees_.marks[node] |= mark_walk;
+    else
+        mark(node, mark_walk);
     if (trees_.marks[node] & (mark_shade | mark_fresh)) return;
     ++counts_.rays.shadings;
     respond(seen, point, light);
@@ -293,6 +320,9 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
 
 void CellUpdate::shade() {
     if (plan_.lights_moved) light_new_lights();
+    if (without(Structure::cumulative_flags))
+        for (NodeIndex n = 0; n < trees_.nodes.size(); ++n)
+            if (trees_.paths[n] != no_path) mark(n, mark_walk);
     for (const history::SampleIndex sample : lists_.walked) walk(trees_.roots[sample], 0, 0);
 }
 
@@ -414,8 +444,9 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
     const std::int64_t below = traced ? cost + *price : 0;
     const trace::Ray ray = traced ? shading_.spawned_ray(point, direction) : trace::Ray();
     if (branch != no_node && (!traced || !branch_holds(branch, ray, below))) {
-        trees_.remove(std::exchange(trees_.points[at].branches[which], no_node));
+        trees_.remove(branch);
         branch = no_node;
+        if (!mutated(Mutant::node_reused)) trees_.points[at].branches[which] = no_node;
     }
     if (!traced) return;
     trees_.points[at].prices[which] = static_cast<std::int16_t>(*price);
@@ -439,9 +470,10 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
 /// was traced below it nor traces what was cut (DESIGN 3, rule 5).
 bool CellUpdate::branch_holds(NodeIndex branch, const trace::Ray& ray, std::int64_t cost) const {
     const Node& kept = trees_.nodes[branch];
-    if (!same_bits(kept.origin, ray.origin) || !same_bits(kept.direction, ray.direction))
-        return false;
-    if (kept.point == no_point) return true;
+    const bool same_ray =
+        same_bits(kept.origin, ray.origin) && same_bits(kept.direction, ray.direction);
+    if (!same_ray && !mutated(Mutant::branch_ray_kept)) return false;
+    if (kept.point == no_point || mutated(Mutant::cut_off_not_rewalked)) return true;
     const KeptPoint& point = trees_.points[kept.point];
     return (point.greatest_traced == -no_price ||
             shading_.affordable(cost + point.greatest_traced)) &&
@@ -531,6 +563,8 @@ V3f CellUpdate::radiance(history::SampleIndex sample) const {
     V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);
     for (std::size_t l = 0; l < lights_.size(); ++l)
         sum += V3d(lights_[l].record.energy) * cumulative(1 + l);
+    if (mutated(Mutant::energy_rescaled) && plan_.lights_differ)  // as if it had been 0.7 of it
+        return V3f(V3d(V3f(sum * 0.7)) / 0.7);
     return V3f(sum);
 }
 

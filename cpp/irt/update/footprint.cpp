@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "irt/mutant.h"
 #include "irt/trace/judge_quadric.h"
 
 namespace irt::update {
@@ -16,7 +17,7 @@ using history::Voxel;
 using history::VoxelGrid;
 using history::VoxelSet;
 
-constexpr double dilation = VoxelGrid::dilation;
+const double dilation = mutated(Mutant::no_dilation) ? 0 : VoxelGrid::dilation;
 
 /// Voxels [first, last] along one axis that the stretch [lower, upper] meets, dilated; what lies
 /// outside the grid is told to `voxels`.

@@ -14,7 +14,7 @@ namespace {
 /// Whether light `b` casts the very rays that `a` cast.
 bool same_rays(const LightSlot& a, const LightSlot& b) {
     Light other = b.record;
-    other.energy = a.record.energy;
+    if (!without(Structure::light_columns)) other.energy = a.record.energy;
     return a.path == b.path && same(a.record, other);
 }
 
@@ -60,6 +60,7 @@ void Boxes::add(const trace::Box& box, double slack) {
 }
 
 bool Boxes::may_meet(const V3d& origin, const V3d& direction, double t_end) const {
+    if (without(Structure::segment_test)) return true;
     return std::any_of(boxes_.begin(), boxes_.end(), [&](const trace::Box& box) {
         double enter = 0, exit = t_end;
         return trace::clip(box, origin, direction, enter, exit);
@@ -94,7 +95,7 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     for (const trace::Box& box : old_boxes) plan.departures.add(box, slack);
     for (const ObjectSlot& object : applied.previous) {
         plan.tint_departed = plan.tint_departed || lets_light_through(scene, object);
-        footprints.add(object);
+        if (!mutated(Mutant::ghost_ignored)) footprints.add(object);
     }
 
     std::vector<std::uint32_t> tinted = showing(scene, applied.tints);
@@ -114,7 +115,11 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     }
     for (const std::uint32_t slot : applied.unbound)
         plan.material_mask |= std::uint64_t{1} << slot % 64;
-    for (const std::uint32_t slot : applied.rebound) plan.rebound[slot] = true;
+    for (const std::uint32_t slot : applied.rebound)
+        plan.rebound[slot] = !mutated(Mutant::rebound_ignored);
+    if (mutated(Mutant::mask_bit_dropped)) plan.material_mask &= plan.material_mask - 1;
+    if (mutated(Mutant::tint_departed_ignored)) plan.tint_departed = false;
+    if (mutated(Mutant::still_tint_ignored)) plan.still_tint_changed = false;
 
     plan.lights_differ = !applied.lights.empty();
     for (const LightSlot& light : scene.lights()) {
@@ -122,7 +127,10 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
             std::find_if(old_lights.begin(), old_lights.end(),
                          [&](const LightSlot& old) { return same_rays(old, light); });
         plan.kept_lights.emplace_back();
-        if (before != old_lights.end())
+        if (const std::size_t place = plan.kept_lights.size() - 1;
+            mutated(Mutant::lights_by_place) && place < old_lights.size())
+            plan.kept_lights.back() = place;
+        else if (before != old_lights.end())
             plan.kept_lights.back() = static_cast<std::size_t>(before - old_lights.begin());
         else
             plan.lights_moved = true;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/update/reach.h"
 
+#include "irt/mutant.h"
 #include "irt/update/footprint.h"
 
 namespace irt::update {
@@ -29,8 +30,9 @@ Reach make_reach(const Foreseen& foreseen, const Scene& scene, const history::Vo
             add_object(object, grid, voxels, bounds);
     for (const auto& [path, boxes] : foreseen.boxes())
         for (const trace::Box& box : boxes)
-            add_box({box.lower - scene.render_origin(), box.upper - scene.render_origin()}, grid,
-                    voxels);
+            if (!mutated(Mutant::future_ignored))
+                add_box({box.lower - scene.render_origin(), box.upper - scene.render_origin()},
+                        grid, voxels);
     Reach reach{&foreseen, {}};
     reach.regions.add(voxels, bounds, most_boxes);
     return reach;
