@@ -285,14 +285,15 @@ def test_what_was_not_foreseen_starts_again() -> None:
     still = scenes.initial()
     foreseen = _core.Foreseen(still.fresh())
     foreseen.add(still.apply([("move", "/a", scenes.floor(1.1))]))
-    for frame in (
+    unforeseen: list[list[scenes.Edit]] = [
         [("move", "/a", scenes.floor(1.2))],
         [("move", "/floor", scenes.floor(0.1))],
         [("bind", "/floor", "/mirror")],
         [("material", "/red", _core.Material())],
         [("dark", "/key")],
         [("light", "/key", _core.Light.distant((0, -1, 0), (1, 1, 0.9)))],
-    ):
+    ]
+    for frame in unforeseen:
         state = scenes.initial()
         renderer = scenes.renderer(foreseen=foreseen)
         renderer.update(state.fresh())
