@@ -18,9 +18,9 @@ using namespace test;
 
 /// The nearest hit of `ray` on one object, or none.
 trace::Hit hit_on(const ObjectSlot& object, const trace::Ray& ray) {
-    const trace::JudgeRay world = trace::judge_ray(ray);
-    const trace::JudgeRay local =
-        object.prototype ? trace::transform_ray(object.prototype_from_render, world) : world;
+    trace::JudgeRay local = trace::judge_ray(ray);
+    if (object.prototype)
+        trace::transform_ray(object.prototype_from_render, trace::JudgeRay(local), local);
     trace::Hit nearest;
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
     for (std::uint32_t part = 0; part < parts; ++part) {

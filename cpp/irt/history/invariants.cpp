@@ -27,9 +27,9 @@ bool same_name(const trace::HitName& a, const trace::HitName& b) {
 bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
     const ObjectSlot& object = scene.objects()[slot];
     if (!object.live) return false;
-    const trace::JudgeRay world = trace::judge_ray(ray);
-    const trace::JudgeRay local =
-        object.prototype ? trace::transform_ray(object.prototype_from_render, world) : world;
+    trace::JudgeRay local = trace::judge_ray(ray);
+    if (object.prototype)
+        trace::transform_ray(object.prototype_from_render, trace::JudgeRay(local), local);
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
     for (std::uint32_t part = 0; part < parts; ++part) {
         const Surface& surface = object.part(part);
