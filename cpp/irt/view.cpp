@@ -115,6 +115,7 @@ void View::set_camera(const Camera& camera) {
     render_from_camera_ = camera.world_from_camera;
     for (int a = 0; a < 3; ++a) render_from_camera_[3][a] -= render_origin_[a];
     camera_from_render_ = checked_inverse(render_from_camera_, "camera");
+    eye_ = V3f(transform_point(render_from_camera_, V3d(0, 0, 0)));
     camera_ = camera;
 }
 

@@ -18,7 +18,7 @@ from irt_usd import _core
 
 
 @given(shot=edits.shots())
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=1000, deadline=None)
 def test_film_after_edits_is_that_of_a_fresh_renderer(shot: edits.Shot) -> None:
     edits.play(shot)
 
@@ -187,9 +187,29 @@ def test_scene_far_from_the_origin_renders_as_at_the_origin() -> None:
     assert differing.mean() <= 1e-4
 
 
+def test_a_camera_sees_from_where_it_is_whatever_the_render_origin() -> None:
+    """A camera that moves leaves the render origin, which is where it was first."""
+    state = scenes.initial()
+    place = np.eye(4)
+    place[3, :3] = (0.75, 0.25, 0.5)
+    camera = _core.Camera(place, (-0.6, 0.6, -0.5, 0.5))
+    settings = _core.ViewSettings(240, 200, aovs=("position",))
+    renderers = [
+        _core.Renderer(camera, settings, render_origin=origin)
+        for origin in ((0.75, 0.25, 0.5), (0.0, 0.0, 0.0))
+    ]
+    renderers.append(_core.Renderer(_core.Camera(np.eye(4), (-0.6, 0.6, -0.5, 0.5)), settings))
+    for renderer in renderers:
+        renderer.update(state.fresh())
+    assert renderers[2].update(_core.ChangeSet(), camera)["restart"] == "camera changed"
+    films = [np.concatenate([r.beauty(), r.aov("position")], axis=2) for r in renderers]
+    for film in films[1:]:
+        differing = np.any(np.abs(film - films[0]) > 1e-4, axis=2)
+        assert differing.mean() <= 1e-3
+
+
 HOST_STATE = """
 import ctypes, sys
-import edits
 import scenes
 from irt_usd import _core
 FLUSH_TO_ZERO_AND_TOWARDS_ZERO = 0x1F80 | 0x8040 | 0x6000
