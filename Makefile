@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# make setup | demo | test | check | format | bench | fuzz | mutants | exact-hits | fingerprint | clean
+# make setup | demo | test | check | format | bench | fuzz | mutants | ablation | exact-hits | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -16,7 +16,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    mutants exact-hits fingerprint clean
+    mutants ablation exact-hits fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -108,6 +108,10 @@ $(MUTANTS)/.built: $(VENV)/.built $(shell find tests/cpp)
 ## That the tests can fail: each fault must show in one of them.
 mutants: $(MUTANTS)/.built
 	@IRT_TEST_BUILD="$(CURDIR)/$(MUTANTS)" $(VENV)/bin/pytest tests/python/test_mutants.py -rP
+
+## What each structure is worth: the paper's edits with one of them away.
+ablation: $(MUTANTS)/.built
+	@IRT_TEST_BUILD="$(CURDIR)/$(MUTANTS)" $(VENV)/bin/python tests/python/ablation.py
 
 exact-hits: $(BUILD)/.tests-built
 	@$(BUILD)/exact_hits
