@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# make setup | demo | test | check | format | bench | fuzz | mutants | ablation | exact-hits | fingerprint | clean
+# make setup | demo | test | check | format | bench | fuzz | mutants | ablation | voxel-walk |
+#     exact-hits | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -16,7 +17,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    mutants ablation exact-hits fingerprint clean
+    mutants ablation voxel-walk exact-hits fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -112,6 +113,11 @@ mutants: $(MUTANTS)/.built
 ## What each structure is worth: the paper's edits with one of them away.
 ablation: $(MUTANTS)/.built
 	@IRT_TEST_BUILD="$(CURDIR)/$(MUTANTS)" $(VENV)/bin/python tests/python/ablation.py
+
+## The paper's passing-voxel history against the key that stands for it.
+voxel-walk: $(BUILD)/.tests-built
+	@cmake --build $(BUILD) --target voxel_walk >$(BUILD)/voxel_walk.log
+	@$(BUILD)/voxel_walk
 
 exact-hits: $(BUILD)/.tests-built
 	@$(BUILD)/exact_hits
