@@ -80,7 +80,7 @@ def chess(lights: int) -> Usd.Stage:
             for frame, moved in MOVE_LIGHTS.items():
                 if number < moved:
                     _edit_moves(lamp, LAMPS[number], frame, LAMP_STEP, LAST_OF_LIGHTS)
-    _view(stage, (20, 30, 44), (-1.5, 0.5, 0.5))
+    _view(stage, (20, 30, 44), (-1.3, 0.4, 0.5))
     return stage
 
 

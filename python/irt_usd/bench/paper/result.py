@@ -42,9 +42,8 @@ class SceneResult:
         cls, times: SceneTimes, costs: UnitCosts, work: SceneWork, tree_changes: Mapping[str, int]
     ) -> dict[str, EditResult]:
         """`tree_changes`: by edit, how many of its changed rays are no shadow rays."""
-        full = times.full_seconds
         return {
-            name: EditResult(entry, ceiling(full, costs, work.edits[name], tree_changes[name]))
+            name: EditResult(entry, ceiling(costs, work.edits[name], tree_changes[name]))
             for name, entry in times.edits.items()
         }
 
@@ -124,7 +123,7 @@ class SceneResult:
         bare = self.loops["bare nearest"].median + self.loops["bare occlusion"].median
         return {
             "full trace": rays / self.times.full_seconds,
-            "full trace, 1 thread": rays / self.loops["trace, 1 thread"].median,
+            "full trace, 1 thread": rays / self.costs.full,
             "bare loop, 1 thread": rays / bare,
         }
 

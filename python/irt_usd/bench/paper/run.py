@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The measurement: scenes, counts, times, unit costs, ceilings."""
 
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -82,7 +81,7 @@ def _measure_lights(scene: PaperScene, repeats: int, say: Say) -> dict[str, Edit
 def _unit_costs(
     scene: PaperScene, work: SceneWork, repeats: int
 ) -> tuple[dict[str, Spread], UnitCosts]:
-    what = timers(scene.trace_bench(), len(os.sched_getaffinity(0)))
+    what = timers(scene.trace_bench())
     interleave(what, 1)
     seconds = interleave(what, repeats)
     spreads = {name: Spread.of(values) for name, values in seconds.items()}
