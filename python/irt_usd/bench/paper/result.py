@@ -207,6 +207,7 @@ def edit_json(entry: EditResult) -> dict[str, Any]:
         "ratio": times.ratio.median,
         "ratio_range": [times.ratio.low, times.ratio.high],
         "undo_ratio": times.undo_ratio.median,
+        "processor_ratio": times.processor_ratio.median,
         "whole_frame_ratio": times.whole_frame_ratio.median,
         "ceiling": entry.ceiling,
     }

@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,11 @@ CELLS = 64
 
 @dataclass
 class EditTimes:
-    """Seconds of one edit, round by round: apply, BVH, detect, trace and film.
+    """Seconds of one edit, round by round: apply, BVH, detect, trace and film, by the clock.
+
+    `ours_processor` and `full_processor`: processor seconds of all threads for the whole call, its
+    thread and statistics included, which weighs on short updates; other work on the machine hardly
+    shows in them.
 
     `files`: what a whole frame takes besides, be it an update or a full trace: reading the stage,
     comparing, copying the film, writing the EXR.
@@ -33,6 +36,8 @@ class EditTimes:
     full: list[float] = field(default_factory=list)
     undo_ours: list[float] = field(default_factory=list)
     undo_full: list[float] = field(default_factory=list)
+    ours_processor: list[float] = field(default_factory=list)
+    full_processor: list[float] = field(default_factory=list)
     files: list[float] = field(default_factory=list)
     cell_seconds: list[list[float]] = field(default_factory=list)
 
@@ -50,6 +55,11 @@ class EditTimes:
     def undo_ratio(self) -> Spread:
         """The same of the edit that leads back."""
         return ratios(self.undo_full, self.undo_ours)
+
+    @property
+    def processor_ratio(self) -> Spread:
+        """Full trace over update, in processor seconds."""
+        return ratios(self.full_processor, self.ours_processor)
 
     @property
     def whole_frame_ratio(self) -> Spread:
@@ -91,17 +101,19 @@ def time_edits(scene: PaperScene, repeats: int) -> SceneTimes:
             warm = turn == 0
             for name, edit in scene.edits.items():
                 entry = EditTimes() if warm else times[name]
-                update, full = _in_turns(kept, bare, edit.change, turn)
+                ours, full = _in_turns(kept, bare, edit.change, turn)
                 if warm:
                     _compare(kept, bare, f"{scene.name}, {name}")
-                entry.ours.append(_total(update))
-                entry.full.append(_total(full))
-                entry.cell_seconds.append(update["cells"]["seconds"])
+                entry.ours.append(ours.seconds)
+                entry.full.append(full.seconds)
+                entry.ours_processor.append(ours.processor)
+                entry.full_processor.append(full.processor)
+                entry.cell_seconds.append(ours.cells)
                 entry.files.append(_frame_files(scene, edit.frame, kept, Path(folder)))
-                update, full = _in_turns(kept, bare, edit.undo, turn)
-                entry.undo_ours.append(_total(update))
-                entry.undo_full.append(_total(full))
-            empty.append(_total(kept.update(nothing)))
+                ours, full = _in_turns(kept, bare, edit.undo, turn)
+                entry.undo_ours.append(ours.seconds)
+                entry.undo_full.append(full.seconds)
+            empty.append(_update(kept, nothing).seconds)
     return SceneTimes(times, empty)
 
 
@@ -109,7 +121,7 @@ def time_initial(scene: PaperScene, turn: int) -> tuple[float, float]:
     """A new scene's initial step and its full trace without a history, each by a new renderer."""
     seconds = {}
     for history in (True, False) if turn % 2 else (False, True):
-        seconds[history] = _total(scene.renderer(history=history).update(scene.initial))
+        seconds[history] = _update(scene.renderer(history=history), scene.initial).seconds
     return seconds[True], seconds[False]
 
 
@@ -119,8 +131,7 @@ def time_initial_cells(scene: PaperScene) -> list[float]:
     Cells are otherwise recorded several together, a group a thread; asking for as many threads as
     cells makes as many tasks, which run on the threads the machine has.
     """
-    update = scene.renderer(threads=CELLS).update(scene.initial)
-    return list(update["cells"]["seconds"])
+    return _update(scene.renderer(threads=CELLS), scene.initial).cells
 
 
 def spread(values: Sequence[float]) -> float:
@@ -133,18 +144,30 @@ def medians(rounds: Sequence[Sequence[float]]) -> list[float]:
     return [statistics.median(values) for values in zip(*rounds, strict=True)]
 
 
+@dataclass(frozen=True)
+class _Update:
+    """Seconds of one update: by the clock, of all processors, and by the clock in each cell."""
+
+    seconds: float
+    processor: float
+    cells: list[float]
+
+
+def _update(renderer: _core.Renderer, changes: _core.ChangeSet) -> _Update:
+    start = time.process_time()
+    update = renderer.update(changes)
+    processor = time.process_time() - start
+    return _Update(update["seconds"]["total"], processor, update["cells"]["seconds"])
+
+
 def _in_turns(
     kept: _core.Renderer, bare: _core.Renderer, changes: _core.ChangeSet, turn: int
-) -> tuple[dict[str, Any], dict[str, Any]]:
+) -> tuple[_Update, _Update]:
     if turn % 2:
-        full = bare.update(changes)
-        return kept.update(changes), full
-    update = kept.update(changes)
-    return update, bare.update(changes)
-
-
-def _total(update: Mapping[str, Any]) -> float:
-    return float(update["seconds"]["total"])
+        full = _update(bare, changes)
+        return _update(kept, changes), full
+    ours = _update(kept, changes)
+    return ours, _update(bare, changes)
 
 
 def _compare(kept: _core.Renderer, bare: _core.Renderer, what: str) -> None:
