@@ -40,7 +40,9 @@ LAMP_STEP = (8.0, 0.0, -6.0)
 WHITE = {"king": "e4", "rook": "a7", "pawn": "b6 f4 h5"}
 BLACK = {"king": "f8", "rook": "c1", "pawn": "f7 g6"}
 EDITED = "b6"
-"""The pawn that the edits move, resize and recolour: far back, and mirrored in little."""
+"""The pawn of chess that the edits move, resize and recolour: far back, and mirrored in little."""
+GROUP, GROUP_RADIUS = (4.0, -14.0), 0.7
+"""X and z of the spheres that the edits take, the seven nearest: far back too, and small."""
 
 
 def chess(lights: int) -> Usd.Stage:
@@ -97,23 +99,30 @@ def spheres() -> Usd.Stage:
     group.AddTranslateOp().Set(Gf.Vec3d(0))
     edited = material(stage, "/World/materials/edited", (0.6, 0.6, 0.62), roughness=0.05)
     bind(group.GetPrim(), edited)
-    for i in range(125):
-        radius = 0.9 + 0.9 * (i / 124)
-        angle, distance = i * np.pi * (3 - np.sqrt(5)), 2.75 * np.sqrt(i)
-        x, z = (round(float(distance * f(angle)), 4) for f in (np.sin, np.cos))
-        parent = "/World/group" if i < 7 else "/World"
-        ball = Turner(stage, parent).sphere(f"sphere_{i:03}", radius, (x, radius, z))
-        if i >= 7:
-            bind(ball.GetPrim(), looks[i % 5])
+    places = [_on_spiral(i) for i in range(125)]
+    grouped = sorted(range(125), key=lambda i: np.hypot(*np.subtract(places[i], GROUP)))[:7]
+    for i, (x, z) in enumerate(places):
+        parent = "/World/group" if i in grouped else "/World"
+        radius = GROUP_RADIUS if i in grouped else 0.9 + 0.9 * (i / 124)
+        solid = Turner(stage, parent).sphere(f"sphere_{i:03}", radius, (x, radius, z))
+        if i not in grouped:
+            bind(solid.GetPrim(), looks[i % 5])
     lamps = _lamps(stage, 3, intensity=170.0)
-    first = stage.GetPrimAtPath("/World/group/sphere_000")
-    _edit_moves(first, (0, 0.9, 0), MOVE_ONE, (0.5, 1.4, 0.0), LAST)
+    x, z = places[grouped[0]]
+    ball = stage.GetPrimAtPath(f"/World/group/sphere_{grouped[0]:03}")
+    _edit_moves(ball, (x, GROUP_RADIUS, z), MOVE_ONE, (0.5, 1.4, 0.0), LAST)
     _edit_moves(group.GetPrim(), (0, 0, 0), MOVE_SEVEN, (0.0, 2.5, 0.0), LAST)
-    _edit(first.GetAttribute("radius"), 0.9, RESIZE, 1.1, LAST)
+    _edit(ball.GetAttribute("radius"), GROUP_RADIUS, RESIZE, 1.2 * GROUP_RADIUS, LAST)
     _edit_moves(lamps[0], LAMPS[0], MOVE_LIGHT, LAMP_STEP, LAST)
     _edit_colour(edited, (0.6, 0.6, 0.62), (0.7, 0.3, 0.05))
     _view(stage, (0, 30, 52), (0.0, 0.0, 2.0))
     return stage
+
+
+def _on_spiral(i: int) -> tuple[float, float]:
+    """X and z of sphere i: a sunflower's seeds."""
+    angle, distance = i * np.pi * (3 - np.sqrt(5)), 2.75 * np.sqrt(i)
+    return round(float(distance * np.sin(angle)), 4), round(float(distance * np.cos(angle)), 4)
 
 
 def _new_stage(last: int) -> Usd.Stage:
