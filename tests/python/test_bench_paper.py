@@ -94,9 +94,10 @@ def test_history_is_smaller_than_the_paper_s(name: str) -> None:
     assert history["all_bytes"] / history["points"] <= published.HISTORY[name].bytes_per_node
 
 
-def test_the_recoloured_pawn_takes_few_nodes() -> None:
-    # Recolouring shades the points of the pawn, no others.
-    assert work("chess").share("color", "shadings") <= 0.012
+@pytest.mark.parametrize("name", ["chess", "spheres"])
+def test_what_is_recoloured_takes_few_nodes(name: str) -> None:
+    # Recolouring shades the points of what it recolours, no others.
+    assert work(name).share("color", "shadings") <= 0.012
 
 
 @pytest.mark.parametrize(("name", "level"), [("chess", 2.25), ("spheres", 2.5)])
