@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from irt_usd import _core
+from irt_usd import _core, interrupt
 from irt_usd.bench.paper.work import Counts, SceneWork
 from irt_usd.bench.timing import Spread
 
@@ -70,6 +70,7 @@ def ceiling(costs: UnitCosts, edit: Counts, tree_rays: int) -> float | None:
 
 
 def _thread_seconds(run: Callable[[], object]) -> float:
+    interrupt.check()
     start = time.thread_time()
     run()
     return time.thread_time() - start

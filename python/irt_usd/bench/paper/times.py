@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from irt_usd import _core
+from irt_usd import _core, interrupt
 from irt_usd.bench.paper.scenes import PaperScene
 from irt_usd.bench.timing import Spread, ratios
 from irt_usd.changes import diff
@@ -154,6 +154,7 @@ class _Update:
 
 
 def _update(renderer: _core.Renderer, changes: _core.ChangeSet) -> _Update:
+    interrupt.check()
     start = time.process_time()
     update = renderer.update(changes)
     processor = time.process_time() - start

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from irt_usd import interrupt
 from irt_usd.bench.paper.scenes import PaperScene
 
 
@@ -99,6 +100,7 @@ def count_work(scene: PaperScene) -> SceneWork:
     traced = scene.renderer(history=False).update(scene.initial)
     edits, cell_rays, history = {}, {}, {}
     for name, edit in scene.edits.items():
+        interrupt.check()
         renderer = scene.renderer()
         initial = renderer.update(scene.initial)
         history = initial["history"]
