@@ -8,7 +8,7 @@ from typing import Any
 
 from irt_usd.bench.paper import published
 from irt_usd.bench.paper.costs import UnitCosts, ceiling
-from irt_usd.bench.paper.times import EditTimes, SceneTimes, medians, spread
+from irt_usd.bench.paper.times import EditTimes, InitialTimes, SceneTimes, medians, overhead, spread
 from irt_usd.bench.paper.work import SceneWork
 from irt_usd.bench.timing import Figure, Spread
 
@@ -32,8 +32,7 @@ class SceneResult:
     times: SceneTimes
     costs: UnitCosts
     edits: Mapping[str, EditResult]
-    initial: list[float]
-    initial_full: list[float]
+    initial: list[InitialTimes]
     loops: Mapping[str, Spread]
     initial_cells: list[list[float]]
 
@@ -50,7 +49,15 @@ class SceneResult:
     @property
     def overhead(self) -> float:
         """Of the initial step over a full trace without a history, both by new renderers."""
-        return statistics.median(self.initial) / statistics.median(self.initial_full) - 1
+        return overhead([t.recorded for t in self.initial], [t.traced for t in self.initial])
+
+    @property
+    def processor_overhead(self) -> float:
+        """The same in processor seconds."""
+        return overhead(
+            [t.recorded_processor for t in self.initial],
+            [t.traced_processor for t in self.initial],
+        )
 
     @property
     def empty_share(self) -> float:
@@ -132,6 +139,7 @@ class SceneResult:
         return {
             "full_seconds": self.times.full_seconds,
             "history_overhead": self.overhead,
+            "history_overhead_processor": self.processor_overhead,
             "cells": {
                 "time_spread": self.time_spread,
                 "history_spread": self.rays_spread,

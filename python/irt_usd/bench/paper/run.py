@@ -51,7 +51,7 @@ def _measure_scene(
     say(f"{scene.name}: initial steps")
     loops, costs = _unit_costs(scene, work, repeats)
     time_initial(scene, 0)  # warms caches and memory
-    pairs = [time_initial(scene, turn) for turn in range(repeats)]
+    initial = [time_initial(scene, turn) for turn in range(repeats)]
     cells = [time_initial_cells(scene) for _ in range(repeats)]
     say(f"{scene.name}: edits")
     times = time_edits(scene, repeats)
@@ -63,8 +63,7 @@ def _measure_scene(
         times,
         costs,
         SceneResult.of_edits(times, costs, work, changes),
-        [initial for initial, _ in pairs],
-        [full for _, full in pairs],
+        initial,
         loops,
         cells,
     )

@@ -126,7 +126,16 @@ def _table_5(result: PaperResult) -> Table:
     table = _table(
         "Table 5: the history, and what the initial step takes over tracing without one",
         ("scene", "kind"),
-        ("count", "MB", "bytes a pixel", "a node", "a point", "a node (paper)", "overhead"),
+        (
+            "count",
+            "MB",
+            "bytes a pixel",
+            "a node",
+            "a point",
+            "a node (paper)",
+            "overhead",
+            "by CPU",
+        ),
     )
     for name, scene in result.scenes.items():
         for kind, size in scene.kinds().items():
@@ -144,6 +153,7 @@ def _table_5(result: PaperResult) -> Table:
             f"{scene.bytes_per_point:.0f}",
             _number(paper.bytes_per_node if paper else None, 0),
             f"{scene.overhead:.2f}",
+            f"{scene.processor_overhead:.2f}",
             style=_MISSED if large or scene.overhead > published.MOST_OVERHEAD else None,
         )
         table.add_section()

@@ -117,12 +117,28 @@ def time_edits(scene: PaperScene, repeats: int) -> SceneTimes:
     return SceneTimes(times, empty)
 
 
-def time_initial(scene: PaperScene, turn: int) -> tuple[float, float]:
-    """A new scene's initial step and its full trace without a history, each by a new renderer."""
-    seconds = {}
+@dataclass(frozen=True)
+class InitialTimes:
+    """Seconds, and processor seconds, of an initial step and of a full trace without a history."""
+
+    recorded: float
+    traced: float
+    recorded_processor: float
+    traced_processor: float
+
+
+def overhead(recorded: Sequence[float], traced: Sequence[float]) -> float:
+    """Of recording, medians over medians; 0: none."""
+    return statistics.median(recorded) / statistics.median(traced) - 1
+
+
+def time_initial(scene: PaperScene, turn: int) -> InitialTimes:
+    """Both from a new scene by a new renderer, in an order that `turn` changes."""
+    times = {}
     for history in (True, False) if turn % 2 else (False, True):
-        seconds[history] = _update(scene.renderer(history=history), scene.initial).seconds
-    return seconds[True], seconds[False]
+        times[history] = _update(scene.renderer(history=history), scene.initial)
+    recorded, traced = times[True], times[False]
+    return InitialTimes(recorded.seconds, traced.seconds, recorded.processor, traced.processor)
 
 
 def time_initial_cells(scene: PaperScene) -> list[float]:
