@@ -37,8 +37,12 @@ LAST_OF_LIGHTS = 7
 
 LAMPS: Sequence[Vec3] = ((-30.0, 55.0, 25.0), (35.0, 45.0, 10.0), (0.0, 60.0, -35.0))
 LAMP_STEP = (8.0, 0.0, -6.0)
-WHITE = {"king": "d3", "rook": "e7", "pawn": "c5 f4 g4"}
-BLACK = {"king": "f8", "rook": "a2", "pawn": "f7 g6"}
+WHITE = {"king": "e4", "rook": "a7", "pawn": "b6 f4 h5"}
+BLACK = {"king": "f8", "rook": "c1", "pawn": "f7 g6"}
+EDITED = "b6"
+"""The pawn of chess that the edits move, resize and recolour: far back, and mirrored in little."""
+GROUP, GROUP_RADIUS = (4.0, -14.0), 0.7
+"""X and z of the spheres that the edits take, the seven nearest: far back too, and small."""
 
 
 def chess(lights: int) -> Usd.Stage:
@@ -62,14 +66,14 @@ def chess(lights: int) -> Usd.Stage:
                 prim = place(stage, f"/World/{side}/{kind}_{name}", kind, square(name))
                 if kind == "king":
                     bind(prim, look["mirror"])
-    bind(stage.GetPrimAtPath("/World/white/pawn_g4"), look["glass"])
-    pawn = stage.GetPrimAtPath("/World/white/pawn_f4")
+    bind(stage.GetPrimAtPath("/World/white/pawn_h5"), look["glass"])
+    pawn = stage.GetPrimAtPath(f"/World/white/pawn_{EDITED}")
     bind(pawn, look["edited"])
     lamps = _lamps(stage, lights, intensity=420.0 / lights)
     if lights == 1:
         head = pawn.GetChild("head")
         _edit_moves(head, (0.0, 4.15, 0.0), MOVE_ONE, (0.9, 0.25, 0.3), LAST)
-        _edit_moves(pawn, square("f4"), MOVE_SEVEN, (0.0, 0.0, -5.0), LAST)
+        _edit_moves(pawn, square(EDITED), MOVE_SEVEN, (0.0, 0.0, -5.0), LAST)
         _edit(head.GetAttribute("radius"), 0.95, RESIZE, 1.2, LAST)
         _edit_moves(lamps[0], LAMPS[0], MOVE_LIGHT, LAMP_STEP, LAST)
         _edit_colour(look["edited"], (0.7, 0.6, 0.42), (0.65, 0.12, 0.08))
@@ -78,7 +82,7 @@ def chess(lights: int) -> Usd.Stage:
             for frame, moved in MOVE_LIGHTS.items():
                 if number < moved:
                     _edit_moves(lamp, LAMPS[number], frame, LAMP_STEP, LAST_OF_LIGHTS)
-    _view(stage, (20, 30, 44), (0.5, 0.5, 0.5))
+    _view(stage, (20, 30, 44), (-1.3, 0.4, 0.5))
     return stage
 
 
@@ -95,23 +99,30 @@ def spheres() -> Usd.Stage:
     group.AddTranslateOp().Set(Gf.Vec3d(0))
     edited = material(stage, "/World/materials/edited", (0.6, 0.6, 0.62), roughness=0.05)
     bind(group.GetPrim(), edited)
-    for i in range(125):
-        radius = 0.9 + 0.9 * (i / 124)
-        angle, distance = i * np.pi * (3 - np.sqrt(5)), 2.75 * np.sqrt(i)
-        x, z = (round(float(distance * f(angle)), 4) for f in (np.sin, np.cos))
-        parent = "/World/group" if i < 7 else "/World"
-        ball = Turner(stage, parent).sphere(f"sphere_{i:03}", radius, (x, radius, z))
-        if i >= 7:
-            bind(ball.GetPrim(), looks[i % 4])
+    places = [_on_spiral(i) for i in range(125)]
+    grouped = sorted(range(125), key=lambda i: np.hypot(*np.subtract(places[i], GROUP)))[:7]
+    for i, (x, z) in enumerate(places):
+        parent = "/World/group" if i in grouped else "/World"
+        radius = GROUP_RADIUS if i in grouped else 0.9 + 0.9 * (i / 124)
+        solid = Turner(stage, parent).sphere(f"sphere_{i:03}", radius, (x, radius, z))
+        if i not in grouped:
+            bind(solid.GetPrim(), looks[i % 5])
     lamps = _lamps(stage, 3, intensity=170.0)
-    first = stage.GetPrimAtPath("/World/group/sphere_000")
-    _edit_moves(first, (0, 0.9, 0), MOVE_ONE, (0.5, 1.4, 0.0), LAST)
+    x, z = places[grouped[0]]
+    ball = stage.GetPrimAtPath(f"/World/group/sphere_{grouped[0]:03}")
+    _edit_moves(ball, (x, GROUP_RADIUS, z), MOVE_ONE, (0.5, 1.4, 0.0), LAST)
     _edit_moves(group.GetPrim(), (0, 0, 0), MOVE_SEVEN, (0.0, 2.5, 0.0), LAST)
-    _edit(first.GetAttribute("radius"), 0.9, RESIZE, 1.1, LAST)
+    _edit(ball.GetAttribute("radius"), GROUP_RADIUS, RESIZE, 1.2 * GROUP_RADIUS, LAST)
     _edit_moves(lamps[0], LAMPS[0], MOVE_LIGHT, LAMP_STEP, LAST)
     _edit_colour(edited, (0.6, 0.6, 0.62), (0.7, 0.3, 0.05))
     _view(stage, (0, 30, 52), (0.0, 0.0, 2.0))
     return stage
+
+
+def _on_spiral(i: int) -> tuple[float, float]:
+    """X and z of sphere i: a sunflower's seeds."""
+    angle, distance = i * np.pi * (3 - np.sqrt(5)), 2.75 * np.sqrt(i)
+    return round(float(distance * np.sin(angle)), 4), round(float(distance * np.cos(angle)), 4)
 
 
 def _new_stage(last: int) -> Usd.Stage:
@@ -132,19 +143,20 @@ def _chess_looks(stage: Usd.Stage) -> dict[str, UsdShade.Material]:
     make("mirror", (0.85, 0.84, 0.8), 0.02, metallic=1.0)
     make("edited", (0.7, 0.6, 0.42), 0.3)
     looks["glass"] = material(
-        stage, "/World/materials/glass", (0.85, 0.95, 0.9), roughness=0.02, opacity=0.1
+        stage, "/World/materials/glass", (0.85, 0.95, 0.9), roughness=0.02, opacity=0.36
     )
     return looks
 
 
 def _sphere_looks(stage: Usd.Stage) -> list[UsdShade.Material]:
-    """Four looks of spheres, the fourth glass, and the floor's."""
+    """Five looks of spheres in turn, one of them glass, and the floor's."""
     path = "/World/materials"
     return [
         material(stage, f"{path}/mirror", (0.9, 0.88, 0.85), roughness=0.02, metallic=1.0),
         material(stage, f"{path}/blue", (0.08, 0.2, 0.5), roughness=0.08),
         material(stage, f"{path}/chalk", (0.7, 0.68, 0.62), roughness=0.5),
         material(stage, f"{path}/glass", (0.9, 0.95, 1.0), roughness=0.02, opacity=0.1),
+        material(stage, f"{path}/coral", (0.55, 0.16, 0.1), roughness=0.5),
         material(stage, f"{path}/floor", (0.45, 0.47, 0.5), roughness=0.04, metallic=0.6),
     ]
 

@@ -3,15 +3,22 @@
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from irt_usd.cli.options import ISAS, check_isa, is_verbose, parse_size, verbosity_options
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
 _SCENES = ("quadrics", "triangles", "pieces", "instances")
 _PEER_SCENES = ("triangles", "pieces")
 """Those of nothing but meshes, which are all that Mitsuba has in common with us."""
+_PAPER_WIDTH = 140
+"""Characters that the paper's tables need where the output is no terminal."""
 
 
 @click.group()
@@ -62,7 +69,6 @@ def trace(
     from irt_usd.bench.report import figure_table, remarks, speed_table, to_json
     from irt_usd.bench.scenes import load_scene
     from irt_usd.bench.trace import measure_scene
-    from irt_usd.images.atomic import atomic_file
     from irt_usd.shot.output import prepare_output
 
     check_isa(isa)
@@ -71,10 +77,7 @@ def trace(
     if json_path is not None:
         prepare_output([json_path], "--json", click.echo if is_verbose() else lambda _: None)
 
-    def say(text: str) -> None:
-        if not quiet:
-            click.echo(text, err=True)
-
+    say = _sayer(quiet)
     results, compared = [], []
     for name in names:
         loaded = load_scene(name, folder, pixels)
@@ -86,12 +89,74 @@ def trace(
             else:
                 say("Mitsuba 3 is not installed; in irt's source folder: pip install .[bench]")
     if json_path is not None:
-        with atomic_file(json_path) as temporary:
-            text = json.dumps(to_json(results, compared, repeats, isa), indent=2, allow_nan=False)
-            temporary.write_text(text + "\n", encoding="utf-8")
+        _write_json(json_path, to_json(results, compared, repeats, isa))
     if not quiet:
         console = Console()
         console.print(figure_table(results, compared))
         console.print(speed_table(results, compared))
         for line in remarks(results, compared):
             console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+@bench.command()
+@click.option("--size", metavar="WxH", default="512x384", show_default=True, help="Pixels.")
+@click.option(
+    "--scenes",
+    "folder",
+    type=click.Path(path_type=Path),
+    default=Path("shots/paper"),
+    show_default=True,
+    help="Where the stages of shots/paper/make_paper.py are.",
+)
+@click.option(
+    "--repeats",
+    type=click.IntRange(1, 1000),
+    default=7,
+    show_default=True,
+    help="Rounds; medians are shown.",
+)
+@click.option("--json", "json_path", type=click.Path(path_type=Path), help="Write the figures.")
+@verbosity_options
+def paper(size: str, folder: Path, repeats: int, json_path: Path | None, quiet: bool) -> None:
+    """Measure the tables of "Incremental Ray Tracing" (1990) beside the paper's own figures.
+
+    Updates and full traces count from applying the change to the finished film, without files, on
+    all threads of the machine. All times go by the clock and want a machine of their own.
+    """
+    from irt_usd.bench.paper.run import measure
+    from irt_usd.bench.paper.tables import remarks, tables
+    from irt_usd.bench.report import machine
+    from irt_usd.shot.output import prepare_output
+
+    if json_path is not None:
+        prepare_output([json_path], "--json", click.echo if is_verbose() else lambda _: None)
+    result = measure(folder, parse_size(size), repeats, _sayer(quiet))
+    if json_path is not None:
+        _write_json(json_path, result.to_json(machine()))
+    if not quiet:
+        console = _wide_console()
+        for table in tables(result):
+            console.print(table)
+        for line in remarks(result):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _sayer(quiet: bool) -> Callable[[str], None]:
+    """Says what is under way on standard error, or nothing."""
+    return (lambda _: None) if quiet else (lambda text: click.echo(text, err=True))
+
+
+def _write_json(path: Path, content: dict[str, Any]) -> None:
+    from irt_usd.images.atomic import atomic_file
+
+    with atomic_file(path) as temporary:
+        text = json.dumps(content, indent=2, allow_nan=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def _wide_console() -> "Console":
+    """One whose tables are whole where the output is a file or a pipe."""
+    from rich.console import Console
+
+    console = Console()
+    return console if console.is_terminal else Console(width=_PAPER_WIDTH)
