@@ -105,7 +105,7 @@ class Checker {
             const bool used = c > 0 || trees_.emits;
             const std::size_t size = used ? points : 0;
             require(
-                trees_.columns[c].own.size() == size && trees_.columns[c].cumulative.size() == size,
+                trees_.columns[c].size() == size,
                 "columns have an entry a point");
             require(trees_.settled_count == 0 ||
                         trees_.settled[c].size() == (used ? trees_.settled_count : 0),
@@ -151,7 +151,7 @@ class Checker {
         require(trees_.material_bits[node.point] == point.surface.material % 64, index,
                 "the material mask is that of the visible material");
         if (trees_.emits)
-            require(same_bits(trees_.columns[0].own[node.point], V3f(point.response.emission)),
+            require(same_bits(trees_.columns[0][node.point].own, V3f(point.response.emission)),
                     index, "the unscaled term is the emission");
         for (std::size_t l = 0; l < lights_.size(); ++l) response(index, point, l);
         branches(index, point, depth, cost);
@@ -216,7 +216,7 @@ class Checker {
                     index, "the blocker of a shadow record is opaque and on its ray");
             own *= shade::transmittance(kept);
         }
-        require(same_bits(trees_.columns[1 + l].own[at], V3f(own)), index,
+        require(same_bits(trees_.columns[1 + l][at].own, V3f(own)), index,
                 "the own intensity is the response to the light");
     }
 
@@ -269,15 +269,15 @@ class Checker {
         require(kept.least_cut == cut, index, "least_cut is the least price of all cut below");
         for (std::size_t c = trees_.emits ? 0 : 1; c < trees_.columns.size(); ++c) {
             const Column& column = trees_.columns[c];
-            V3f sum = column.own[at];
+            V3f sum = column[at].own;
             for (const NodeIndex branch : kept.branches) {
                 if (branch == no_node) continue;
                 const Node& node = trees_.nodes[branch];
                 sum = shade::add_scaled(
                     sum, node.weight,
-                    node.point == no_point ? V3f(0, 0, 0) : column.cumulative[node.point]);
+                    node.point == no_point ? V3f(0, 0, 0) : column[node.point].cumulative);
             }
-            require(same_bits(column.cumulative[at], sum), index,
+            require(same_bits(column[at].cumulative, sum), index,
                     "cumulative intensities are the sums of own ones and branches");
         }
     }

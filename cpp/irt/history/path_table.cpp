@@ -33,7 +33,7 @@ void PathTable::reset(const VoxelGrid& grid, std::size_t entries, bool asks_reac
 }
 
 PathIndex PathTable::intern(Path path) {
-    PathIndex place = path * 0x9e3779b1u >> shift_;
+    PathIndex place = place_of(path);
     for (int probe = 0; probe < most_probes; ++probe) {
         if (place < first_place) place = first_place;
         std::atomic<Path>& slot = paths_[place];

@@ -35,6 +35,8 @@ class PathTable {
     /// The place of `path`, entered by linear probing if it is new. Callable from any thread
     /// without locks; which place a path gets may depend on their order and shows in no result.
     PathIndex intern(Path path);
+    /// Fetches where `path` may be, to be called some time before it is interned.
+    void fetch(Path path) const { __builtin_prefetch(&paths_[place_of(path)], 1); }
 
     /// Clears all flags, then scans the places [begin, end) and flags the paths that may meet
     /// `regions`. Ranges that begin at multiples of `flag_block` may be scanned at once.
@@ -64,6 +66,8 @@ class PathTable {
     }
 
   private:
+    [[nodiscard]] PathIndex place_of(Path path) const { return path * 0x9e3779b1u >> shift_; }
+
     VoxelGrid grid_;
     std::size_t capacity_ = 0;  ///< a power of two, or 0
     unsigned shift_ = 32;

@@ -49,8 +49,7 @@ RayTrees::RayTrees(const std::vector<bool>& casts_shadows, bool emission,
 
 void RayTrees::start_emission() {
     emits = true;
-    columns[0].own.assign(points.size(), V3f(0, 0, 0));
-    columns[0].cumulative.assign(points.size(), V3f(0, 0, 0));
+    columns[0].assign(points.size(), Intensity());
     settled[0].assign(settled_count, V3f(0, 0, 0));
 }
 
@@ -65,8 +64,7 @@ void RayTrees::reserve_like(const RayTrees& like) {
     behind.reserve(point_room);
     material_bits.reserve(point_room);
     for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
-        columns[c].own.reserve(point_room);
-        columns[c].cumulative.reserve(point_room);
+        columns[c].reserve(point_room);
     }
     for (LightNodes& light : lights) {
         if (!light.casts_shadows) continue;
@@ -77,7 +75,7 @@ void RayTrees::reserve_like(const RayTrees& like) {
 
 std::size_t RayTrees::bytes_like(const RayTrees& like) {
     std::size_t of_point = sizeof(KeptPoint) + sizeof(HitBehind) + sizeof(std::uint8_t) +
-                           (like.columns.size() - (like.emits ? 0 : 1)) * 2 * sizeof(V3f);
+                           (like.columns.size() - (like.emits ? 0 : 1)) * sizeof(Intensity);
     for (const LightNodes& light : like.lights)
         if (light.casts_shadows) of_point += sizeof(PathIndex) + sizeof(trace::Occlusion);
     const std::size_t of_node = sizeof(Node) + sizeof(PathIndex) + sizeof(std::uint8_t);
@@ -110,10 +108,8 @@ PointIndex RayTrees::add_point(NodeIndex node) {
         append(behind, HitBehind());
         append(material_bits, no_material_bit);
         for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
-            append(columns[c].own, V3f(0, 0, 0));
-            append(columns[c].cumulative, V3f(0, 0, 0));
-            fetch_next(columns[c].own);
-            fetch_next(columns[c].cumulative);
+            append(columns[c], Intensity());
+            fetch_next(columns[c]);
         }
         for (LightNodes& light : lights)
             if (light.casts_shadows) {
@@ -174,7 +170,7 @@ void RayTrees::settle(SampleIndex first, const End& end) {
     for (SampleIndex sample = first; sample < roots.size(); ++sample) {
         const PointIndex point = nodes[roots[sample]].point;
         for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c)
-            settled[c].push_back(point == no_point ? V3f(0, 0, 0) : columns[c].cumulative[point]);
+            settled[c].push_back(point == no_point ? V3f(0, 0, 0) : columns[c][point].cumulative);
         roots[sample] = settled_bit | settled_count++;
     }
     for (LightNodes& light : lights) {
@@ -191,8 +187,7 @@ void RayTrees::settle(SampleIndex first, const End& end) {
     behind.resize(end.points);
     material_bits.resize(end.points);
     for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c) {
-        columns[c].own.resize(end.points);
-        columns[c].cumulative.resize(end.points);
+        columns[c].resize(end.points);
     }
 }
 
@@ -216,8 +211,7 @@ SampleIndex RayTrees::sample_of(NodeIndex node) const {
 Sizes RayTrees::sizes() const {
     std::size_t intensity = 0, light = 0, of_settled = 0;
     for (const Array<V3f>& column : settled) of_settled += size_of(column);
-    for (const Column& column : columns)
-        intensity += size_of(column.own) + size_of(column.cumulative);
+    for (const Column& column : columns) intensity += size_of(column);
     for (const LightNodes& l : lights) light += size_of(l.paths) + size_of(l.occlusions);
     return {{"nodes", size_of(roots) + size_of(nodes) + size_of(marks) + size_of(free_nodes)},
             {"points", size_of(points) + size_of(free_points)},

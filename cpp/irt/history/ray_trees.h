@@ -79,14 +79,14 @@ struct LightNodes {
         : casts_shadows(shadows), paths(memory), occlusions(memory) {}
 };
 
-/// A column of intensities, by point: what the point itself sends along its ray, and the same with
-/// all that joins it from its branches (the cumulative intensity of section 3.2).
-struct Column {
-    Array<V3f> own, cumulative;
-
-    explicit Column(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
-        : own(memory), cumulative(memory) {}
+/// What a point itself sends along its ray, and the same with all that joins it from its branches:
+/// the cumulative intensity of section 3.2.
+struct Intensity {
+    V3f own{0, 0, 0}, cumulative{0, 0, 0};
 };
+
+/// Intensities by point: the unscaled term, or the responses to one light.
+using Column = Array<Intensity>;
 
 /// What the walk has to do at a node. A mark climbs to the root as mark_walk: the cumulative flag
 /// of section 3.2, by which everything else is left out.

@@ -119,8 +119,7 @@ void CellUpdate::keep_lights() {
         }
         const std::size_t points = trees_.points.size();
         columns.emplace_back();
-        columns.back().own.assign(points, V3f(0, 0, 0));
-        columns.back().cumulative.assign(points, V3f(0, 0, 0));
+        columns.back().assign(points, history::Intensity());
         nodes.emplace_back(lights_[l].record.casts_shadows);
         if (!nodes.back().casts_shadows) continue;
         nodes.back().paths.assign(points, no_path);
@@ -363,12 +362,15 @@ void CellUpdate::trace_new(NodeIndex node, const trace::Ray& ray, int depth, std
     count_new(node);
     trace::Hit behind;
     const trace::Hit hit = intersector_.nearest_and_behind(ray, behind, counts_.rays.queries);
+    const history::Path path = table_.grid().path(ray.origin, ray.direction, hit.t);
+    table_.fetch(path);
     trees_.set_hit(node, hit);
-    trees_.paths[node] = table_.intern(table_.grid().path(ray.origin, ray.direction, hit.t));
-    if (!hit) return;
-    trees_.behind[trees_.nodes[node].point] = {trace::HitName(behind), intersector_.epoch()};
-    shade_point(node, shading_.visible_point(ray, hit), depth, cost);
-    lists_.combined.push_back(node);
+    if (hit) {
+        trees_.behind[trees_.nodes[node].point] = {trace::HitName(behind), intersector_.epoch()};
+        shade_point(node, shading_.visible_point(ray, hit), depth, cost);
+        lists_.combined.push_back(node);
+    }
+    trees_.paths[node] = table_.intern(path);
 }
 
 /// Responds to the lights and spawns, as the node's visible point asks; keeps what holds of shadow
@@ -378,7 +380,7 @@ void CellUpdate::shade_point(NodeIndex node, const ShadePoint& point, int depth,
     const PointIndex at = trees_.nodes[node].point;
     ++counts_.rays.shadings;
     trees_.material_bits[at] = point.surface.material % 64;
-    if (trees_.emits) trees_.columns[0].own[at] = V3f(point.response.emission);
+    if (trees_.emits) trees_.columns[0][at].own = V3f(point.response.emission);
     for (std::size_t l = 0; l < lights_.size(); ++l) respond(point, at, l);
     trees_.points[at].own_cut = no_price;
     if (depth == shading_.max_depth()) return;
@@ -389,7 +391,7 @@ void CellUpdate::shade_point(NodeIndex node, const ShadePoint& point, int depth,
 
 /// The point's own response to a light. Its shadow ray is traced where none is kept.
 void CellUpdate::respond(const ShadePoint& point, PointIndex at, std::size_t light) {
-    V3f& own = trees_.columns[1 + light].own[at];
+    V3f& own = trees_.columns[1 + light][at].own;
     const std::optional<shade::LightSample> sample = shading_.light_sample(point, lights_[light]);
     if (!sample || !sample->shadow_ray) trees_.set_shadow_path(light, at, no_path);
     if (!sample) {
@@ -408,9 +410,10 @@ void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t 
     ++counts_.rays.shadow;
     count_retraced(trees_.points[at].node);
     ++counts_.changed;
-    trees_.lights[light].occlusions[at] = intersector_.occlusion(ray, counts_.rays.queries);
     const history::Path path =
         table_.grid().path(ray.origin, ray.direction, static_cast<double>(ray.t_max));
+    table_.fetch(path);
+    trees_.lights[light].occlusions[at] = intersector_.occlusion(ray, counts_.rays.queries);
     trees_.set_shadow_path(light, at, table_.intern(path));
 }
 
@@ -510,14 +513,14 @@ void CellUpdate::combine_node(NodeIndex node) {
     }
     for (std::size_t c = trees_.emits ? 0 : 1; c < trees_.columns.size(); ++c) {
         Column& column = trees_.columns[c];
-        V3f sum = column.own[at];
+        V3f sum = column[at].own;
         for (int b = 0; b < count; ++b) {
             const V3f below = branches[b]->point == no_point
                                   ? V3f(0, 0, 0)
-                                  : column.cumulative[branches[b]->point];
+                                  : column[branches[b]->point].cumulative;
             sum = shade::add_scaled(sum, branches[b]->weight, below);
         }
-        column.cumulative[at] = sum;
+        column[at].cumulative = sum;
     }
 }
 
@@ -558,7 +561,7 @@ V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const std::uint32_t at = settled ? root & ~history::settled_bit : trees_.nodes[root].point;
     if (!settled && at == no_point) return {0, 0, 0};
     const auto cumulative = [&](std::size_t column) {
-        return V3d(settled ? trees_.settled[column][at] : trees_.columns[column].cumulative[at]);
+        return V3d(settled ? trees_.settled[column][at] : trees_.columns[column][at].cumulative);
     };
     V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);
     for (std::size_t l = 0; l < lights_.size(); ++l)
