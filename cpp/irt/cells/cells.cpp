@@ -6,6 +6,8 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <numeric>
 
 #include "irt/math/float_state.h"
@@ -17,6 +19,14 @@ namespace {
 /// TBB makes no more threads than the machine has, and complains where more are asked for.
 int arena_slots(int threads) {
     return std::min(thread_count(threads), oneapi::tbb::info::default_concurrency());
+}
+
+/// The arena of that many slots. It is made once: small updates take less time than making one.
+oneapi::tbb::task_arena& arena(int slots) {
+    static std::mutex making;
+    static std::map<int, oneapi::tbb::task_arena> arenas;
+    const std::lock_guard lock(making);
+    return arenas.try_emplace(slots, slots).first->second;
 }
 
 }  // namespace
@@ -32,8 +42,7 @@ int thread_count(int threads) {
 }
 
 void for_each_task(int threads, int count, const std::function<void(int task)>& body) {
-    oneapi::tbb::task_arena arena(arena_slots(threads));
-    arena.execute([&] {
+    arena(arena_slots(threads)).execute([&] {
         oneapi::tbb::parallel_for(
             oneapi::tbb::blocked_range<int>(0, count, 1),
             [&](const oneapi::tbb::blocked_range<int>& range) {

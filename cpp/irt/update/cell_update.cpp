@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "irt/history/mask_scan.h"
 #include "irt/math/bits.h"
 #include "irt/mutant.h"
 
@@ -56,6 +57,7 @@ UpdateCounts& UpdateCounts::operator+=(const UpdateCounts& other) {
 void CellLists::clear() {
     flagged.clear();
     flagged_shadows.clear();
+    masked.clear();
     walked.clear();
     combined.clear();
     std::fill(retraced.begin(), retraced.end(), 0);
@@ -149,21 +151,44 @@ void CellUpdate::detect() {
         }
         counts_.flagged += lists_.flagged.size() + lists_.flagged_shadows.size();
     }
-    if (plan_.material_mask == 0) return;
-    for (PointIndex p = 0; p < trees_.material_bits.size(); ++p) {
-        const std::uint8_t bit = trees_.material_bits[p];
-        if (bit == history::no_material_bit) continue;
-        if (without(Structure::material_mask)) {
-            mark(trees_.points[p].node, mark_shade);
-            continue;
+    if (plan_.material_mask != 0) detect_materials();
+}
+
+/// Marks the points whose material changed, or whose object is bound to another.
+void CellUpdate::detect_materials() {
+    const bool all = without(Structure::material_mask);
+    std::vector<PointIndex>& masked = lists_.masked;
+    history::for_each_masked(trees_.material_bits, all ? ~std::uint64_t{0} : plan_.material_mask,
+                             [&](std::size_t p) { masked.push_back(static_cast<PointIndex>(p)); });
+    for (std::size_t i = 0; i < masked.size(); ++i) {
+        if (i + 2 * look_ahead < masked.size()) fetch_point(masked[i + 2 * look_ahead]);
+        if (i + look_ahead < masked.size()) {
+            const KeptPoint& ahead = trees_.points[masked[i + look_ahead]];
+            for (const NodeIndex node : {ahead.node, ahead.branches[0], ahead.branches[1]})
+                if (node != no_node) prefetch(trees_.nodes[node]);
         }
-        if (!(plan_.material_mask >> bit & 1)) continue;
-        const NodeIndex node = trees_.points[p].node;
-        const std::uint32_t object = trees_.nodes[node].visible.object;
-        if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
-        if (!plan_.rebound[object] && !plan_.material_changed[material_of(node)]) continue;
-        ++counts_.flagged;
+        const NodeIndex node = trees_.points[masked[i]].node;
+        if (!all) {
+            const std::uint32_t object = trees_.nodes[node].visible.object;
+            if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
+            if (!plan_.rebound[object] && !plan_.material_changed[material_of(node)]) continue;
+            ++counts_.flagged;
+        }
         mark(node, mark_shade);
+        for (const NodeIndex branch : trees_.points[masked[i]].branches)
+            if (branch != no_node && trees_.nodes[branch].point != no_point)
+                fetch_point(trees_.nodes[branch].point);
+    }
+}
+
+/// Fetches all that shading a point will read and write of it.
+void CellUpdate::fetch_point(PointIndex point) const {
+    prefetch(trees_.points[point]);
+    for (std::size_t l = 0; l < lights_.size(); ++l) {
+        prefetch(trees_.columns[1 + l][point]);
+        if (!trees_.lights[l].casts_shadows) continue;
+        prefetch(trees_.lights[l].paths[point]);
+        prefetch(trees_.lights[l].occlusions[point]);
     }
 }
 

@@ -36,6 +36,7 @@ struct CellLists {
     };
     std::vector<history::NodeIndex> flagged;
     std::vector<LightNodeIndex> flagged_shadows;
+    std::vector<history::PointIndex> masked;   ///< whose material bit is among the changed ones
     std::vector<history::SampleIndex> walked;  ///< samples whose roots are marked
     std::vector<history::NodeIndex> combined;  ///< nodes to combine, every one after its branches
     std::vector<std::uint32_t> retraced;       ///< by sample: rays retraced; empty: nobody asked
@@ -85,6 +86,8 @@ class CellUpdate {
     using PointIndex = history::PointIndex;
     using ShadePoint = shade::VisiblePoint;
 
+    void detect_materials();
+    void fetch_point(PointIndex point) const;
     void test_segment(NodeIndex node);
     void test_shadow(PointIndex point, std::size_t light);
     [[nodiscard]] bool record_holds(PointIndex point) const;
