@@ -104,9 +104,7 @@ class Checker {
         for (std::size_t c = 0; c < trees_.columns.size(); ++c) {
             const bool used = c > 0 || trees_.emits;
             const std::size_t size = used ? points : 0;
-            require(
-                trees_.columns[c].size() == size,
-                "columns have an entry a point");
+            require(trees_.columns[c].size() == size, "columns have an entry a point");
             require(trees_.settled_count == 0 ||
                         trees_.settled[c].size() == (used ? trees_.settled_count : 0),
                     "columns have an entry a settled sample");

@@ -23,7 +23,6 @@ void PathTable::reset(const VoxelGrid& grid, std::size_t entries, bool asks_reac
     const std::size_t capacity = std::max(least_capacity, std::bit_ceil(2 * entries));
     if (capacity != capacity_) {
         capacity_ = capacity;
-        shift_ = 32u - static_cast<unsigned>(std::countr_zero(capacity));
         paths_ = std::make_unique<std::atomic<Path>[]>(capacity);
     }
     for (std::size_t i = 0; i < capacity_; ++i)

@@ -66,11 +66,16 @@ class PathTable {
     }
 
   private:
-    [[nodiscard]] PathIndex place_of(Path path) const { return path * 0x9e3779b1u >> shift_; }
+    /// Where probing for `path` begins. Paths are regular: one multiplication would leave clusters
+    /// (this is the finalizer of MurmurHash3, 32 bit).
+    [[nodiscard]] PathIndex place_of(Path path) const {
+        path = (path ^ path >> 16) * 0x85ebca6bu;
+        path = (path ^ path >> 13) * 0xc2b2ae35u;
+        return (path ^ path >> 16) & static_cast<PathIndex>(capacity_ - 1);
+    }
 
     VoxelGrid grid_;
     std::size_t capacity_ = 0;  ///< a power of two, or 0
-    unsigned shift_ = 32;
     std::unique_ptr<std::atomic<Path>[]> paths_;
     enum Answer : std::uint8_t { unknown, no, yes };
     std::unique_ptr<std::atomic<std::uint8_t>[]> reaches_;  ///< null: not to be asked
