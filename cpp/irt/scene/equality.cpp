@@ -64,6 +64,12 @@ bool same(const Light& a, const Light& b) {
            a.casts_shadows == b.casts_shadows;
 }
 
+bool same_rays(const Light& a, const Light& b) {
+    Light other = b;
+    other.energy = a.energy;
+    return same(a, other);
+}
+
 bool same(const Camera& a, const Camera& b) {
     return same_bits(a.world_from_camera, b.world_from_camera) &&
            a.orthographic == b.orthographic && same_bits(a.window, b.window);

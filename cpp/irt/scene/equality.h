@@ -11,6 +11,8 @@ bool same(const Mesh& a, const Mesh& b);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);
 bool same(const Light& a, const Light& b);
+/// Whether the two cast the same rays: alike in all but energy.
+bool same_rays(const Light& a, const Light& b);
 bool same(const Camera& a, const Camera& b);
 
 }  // namespace irt

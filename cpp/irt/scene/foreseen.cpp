@@ -33,12 +33,6 @@ trace::Box world_box(const Object& object) {
     return box;
 }
 
-bool same_rays(const Light& a, const Light& b) {
-    Light other = b;
-    other.energy = a.energy;
-    return same(a, other);
-}
-
 bool lit(const Light& light) { return light.energy != V3f(0, 0, 0); }
 
 }  // namespace

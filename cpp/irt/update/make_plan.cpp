@@ -11,13 +11,6 @@ namespace irt::update {
 
 namespace {
 
-/// Whether light `b` casts the very rays that `a` cast.
-bool same_rays(const LightSlot& a, const LightSlot& b) {
-    Light other = b.record;
-    if (!without(Structure::light_columns)) other.energy = a.record.energy;
-    return a.path == b.path && same(a.record, other);
-}
-
 /// Object slots that show one of `materials`.
 std::vector<std::uint32_t> showing(const Scene& scene,
                                    const std::vector<std::uint32_t>& materials) {
@@ -124,8 +117,9 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     plan.lights_differ = !applied.lights.empty();
     for (const LightSlot& light : scene.lights()) {
         const auto before =
-            std::find_if(old_lights.begin(), old_lights.end(),
-                         [&](const LightSlot& old) { return same_rays(old, light); });
+            std::find_if(old_lights.begin(), old_lights.end(), [&](const LightSlot& old) {
+                return old.path == light.path && same_rays(old.record, light.record);
+            });
         plan.kept_lights.emplace_back();
         if (const std::size_t place = plan.kept_lights.size() - 1;
             mutated(Mutant::lights_by_place) && place < old_lights.size())

@@ -21,6 +21,15 @@ _PAPER_WIDTH = 140
 """Characters that the paper's tables need where the output is no terminal."""
 
 
+_repeats_option = click.option(
+    "--repeats",
+    type=click.IntRange(1, 1000),
+    default=7,
+    show_default=True,
+    help="Rounds; medians are shown.",
+)
+
+
 @click.group()
 def bench() -> None:
     """Measure speed on this machine."""
@@ -36,13 +45,7 @@ def bench() -> None:
     show_default=True,
     help="Where `make bench` put the stages.",
 )
-@click.option(
-    "--repeats",
-    type=click.IntRange(1, 1000),
-    default=7,
-    show_default=True,
-    help="Rounds; medians are shown.",
-)
+@_repeats_option
 @click.option("--size", metavar="WxH", help="Pixels; by default the stages'.")
 @click.option("--isa", type=click.Choice(ISAS), default="avx2", show_default=True)
 @click.option("--no-peers", is_flag=True, help="Leave Mitsuba 3 out even where it is installed.")
@@ -108,13 +111,7 @@ def trace(
     show_default=True,
     help="Where the stages of shots/paper/make_paper.py are.",
 )
-@click.option(
-    "--repeats",
-    type=click.IntRange(1, 1000),
-    default=7,
-    show_default=True,
-    help="Rounds; medians are shown.",
-)
+@_repeats_option
 @click.option("--json", "json_path", type=click.Path(path_type=Path), help="Write the figures.")
 @verbosity_options
 def paper(size: str, folder: Path, repeats: int, json_path: Path | None, quiet: bool) -> None:
