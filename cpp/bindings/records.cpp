@@ -17,14 +17,34 @@ Interpolation interpolation_named(const std::string& name) {
     if (name == "uniform") return Interpolation::Uniform;
     if (name == "vertex") return Interpolation::Vertex;
     if (name == "faceVarying") return Interpolation::FaceVarying;
-    throw py::value_error("normals_interpolation '" + name +
+    throw py::value_error("interpolation '" + name +
                           "' is none of constant, uniform, vertex, faceVarying");
+}
+
+using PrimvarTuple = std::tuple<std::string, Array<float>, std::optional<Array<std::int32_t>>>;
+
+/// {name: (interpolation, values (n, w) float32, indices int32 or None)}.
+Primvars make_primvars(const std::map<std::string, PrimvarTuple>& named) {
+    Primvars primvars;
+    for (const auto& [name, primvar] : named) {
+        const auto& [interpolation, values, indices] = primvar;
+        if (values.ndim() != 2 || values.shape(1) < 1 || values.shape(1) > 4)
+            throw py::value_error("primvar " + name + " must have shape (n, 1) to (n, 4)");
+        Primvar& out = primvars.emplace_back();
+        out.name = name;
+        out.interpolation = interpolation_named(interpolation);
+        out.width = static_cast<int>(values.shape(1));
+        out.values.assign(values.data(), values.data() + values.size());
+        if (indices) out.indices = integers(*indices, name.c_str());
+    }
+    return primvars;
 }
 
 MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& counts,
                       const Array<std::int32_t>& indices,
                       const std::optional<Array<float>>& normals, const std::string& interpolation,
-                      bool left_handed, bool single_sided) {
+                      bool left_handed, bool single_sided,
+                      const std::map<std::string, PrimvarTuple>& primvars) {
     auto mesh = std::make_shared<Mesh>();
     mesh->points = vectors(points, "points");
     mesh->face_vertex_counts = integers(counts, "face_vertex_counts");
@@ -35,6 +55,7 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
     }
     mesh->left_handed = left_handed;
     mesh->single_sided = single_sided;
+    mesh->primvars = make_primvars(primvars);
     return mesh;
 }
 
@@ -102,7 +123,7 @@ void bind_geometry(py::module_& module) {
         .def(py::init(&make_mesh), py::arg("points"), py::arg("face_vertex_counts"),
              py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
-             py::arg("single_sided") = false);
+             py::arg("single_sided") = false, py::arg("primvars") = py::dict());
     py::class_<Prototype, PrototypePointer>(module, "Prototype")
         .def(py::init(&make_prototype), py::arg("parts"));
 }
@@ -174,11 +195,13 @@ void bind_records(py::module_& module) {
         .def(
             "set_object",
             [](ChangeSet& c, const std::string& path, const py::object& shape,
-               const Array<double>& world_from_object, const std::string& material) {
-                c.objects[path] = Object{geometry(shape), matrix(world_from_object), material};
+               const Array<double>& world_from_object, const std::string& material,
+               const std::map<std::string, PrimvarTuple>& primvars) {
+                c.objects[path] = Object{geometry(shape), matrix(world_from_object), material,
+                                         make_primvars(primvars)};
             },
             py::arg("path"), py::arg("geometry"), py::arg("world_from_object"),
-            py::arg("material") = "")
+            py::arg("material") = "", py::arg("primvars") = py::dict())
         .def(
             "remove_object", [](ChangeSet& c, const std::string& path) { c.objects[path].reset(); },
             py::arg("path"))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The C++ core: scene records, change sets, tracing. It knows nothing of USD."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +9,11 @@ from numpy.typing import NDArray
 
 Vec3 = Sequence[float]
 Axis = Literal["X", "Y", "Z"]
+
+Interpolation = Literal["constant", "uniform", "vertex", "faceVarying"]
+Primvars = Mapping[str, tuple[Interpolation, NDArray[np.float32], NDArray[np.int32] | None]]
+"""By name (without "primvars:"): interpolation, values (n, w) float32 with w from 1 to 4, and the
+value of each element, or None where element i is value i."""
 
 class Quadric:
     """An exact solid of UsdGeom, centred on the origin of object space; lengths in object units."""
@@ -30,7 +35,8 @@ class Mesh:
     """A polygon mesh in object space.
 
     points (n, 3) float32; face_vertex_counts (f,) int32; face_vertex_indices (c,) int32;
-    normals (k, 3) float32 or None for facets, k as `normals_interpolation` asks.
+    normals (k, 3) float32 or None for facets, k as `normals_interpolation` asks; of primvars each
+    has as many elements as its interpolation asks.
     """
 
     def __init__(
@@ -39,9 +45,10 @@ class Mesh:
         face_vertex_counts: NDArray[np.int32],
         face_vertex_indices: NDArray[np.int32],
         normals: NDArray[np.float32] | None = None,
-        normals_interpolation: Literal["constant", "uniform", "vertex", "faceVarying"] = "vertex",
+        normals_interpolation: Interpolation = "vertex",
         left_handed: bool = False,
         single_sided: bool = False,
+        primvars: Primvars = ...,
     ) -> None: ...
 
 class Prototype:
@@ -105,7 +112,9 @@ class ChangeSet:
         geometry: Quadric | Mesh | Prototype,
         world_from_object: NDArray[np.float64],
         material: str = "",
-    ) -> None: ...
+        primvars: Primvars = ...,
+    ) -> None:
+        """`primvars`: constant ones, read where the geometry has none of the name."""
     def remove_object(self, path: str) -> None: ...
     def set_material(self, name: str, material: Material) -> None: ...
     def remove_material(self, name: str) -> None: ...

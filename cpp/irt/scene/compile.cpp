@@ -36,8 +36,8 @@ double largest_entry(const M44d& m) {
     return largest;
 }
 
-std::size_t expected_normals(const Mesh& mesh) {
-    switch (mesh.normals_interpolation) {
+std::size_t elements(const Mesh& mesh, Interpolation interpolation) {
+    switch (interpolation) {
         case Interpolation::None:
             return 0;
         case Interpolation::Constant:
@@ -50,6 +50,35 @@ std::size_t expected_normals(const Mesh& mesh) {
             return mesh.face_vertex_indices.size();
     }
     return 0;
+}
+
+void check(const Primvar& primvar, std::size_t expected, const std::string& path) {
+    const std::string name = "primvar " + primvar.name;
+    if (primvar.interpolation == Interpolation::None) refuse(path, name + " has no interpolation");
+    if (primvar.width < 1 || primvar.width > 4)
+        refuse(path, name + " has values of " + std::to_string(primvar.width) +
+                         " floats, expected 1 to 4");
+    const auto width = static_cast<std::size_t>(primvar.width);
+    if (primvar.values.size() % width != 0)
+        refuse(path, name + " ends within a value of " + std::to_string(width) + " floats");
+    const std::size_t count = primvar.values.size() / width;
+    const bool indexed = !primvar.indices.empty();
+    if ((indexed ? primvar.indices.size() : count) != expected)
+        refuse(path, name + " has " + std::to_string(indexed ? primvar.indices.size() : count) +
+                         " elements, expected " + std::to_string(expected));
+    for (const std::int32_t index : primvar.indices)
+        if (index < 0 || static_cast<std::size_t>(index) >= count)
+            refuse(path, name + " has index " + std::to_string(index) + ", but " +
+                             std::to_string(count) + " values");
+    if (!std::all_of(primvar.values.begin(), primvar.values.end(),
+                     [](float x) { return std::isfinite(x); }))
+        refuse(path, name + " has a NaN or infinite entry");
+}
+
+void check_names(const Primvars& primvars, const std::string& path) {
+    for (std::size_t i = 1; i < primvars.size(); ++i)
+        if (primvars[i - 1].name >= primvars[i].name)
+            refuse(path, "primvars are not sorted by name, each once");
 }
 
 void check(const Mesh& mesh, const std::string& path) {
@@ -66,9 +95,13 @@ void check(const Mesh& mesh, const std::string& path) {
         if (index < 0 || static_cast<std::size_t>(index) >= mesh.points.size())
             refuse(path, "faceVertexIndices names point " + std::to_string(index) + " of " +
                              std::to_string(mesh.points.size()));
-    if (mesh.normals.size() != expected_normals(mesh))
+    const std::size_t normals = elements(mesh, mesh.normals_interpolation);
+    if (mesh.normals.size() != normals)
         refuse(path, "normals has " + std::to_string(mesh.normals.size()) + " entries, expected " +
-                         std::to_string(expected_normals(mesh)));
+                         std::to_string(normals));
+    check_names(mesh.primvars, path);
+    for (const Primvar& primvar : mesh.primvars)
+        check(primvar, elements(mesh, primvar.interpolation), path);
     const auto finite = [](const V3f& v) {
         return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     };
@@ -85,6 +118,15 @@ void check(const Quadric& q, const std::string& path) {
 }
 
 }  // namespace
+
+void check_constant(const Primvars& primvars, const std::string& path) {
+    check_names(primvars, path);
+    for (const Primvar& primvar : primvars) {
+        if (primvar.interpolation != Interpolation::Constant)
+            refuse(path, "primvar " + primvar.name + " of an object must be constant");
+        check(primvar, 1, path);
+    }
+}
 
 M44d checked_inverse(const M44d& m, const std::string& path) {
     for (int i = 0; i < 4; ++i)

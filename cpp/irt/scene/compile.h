@@ -15,6 +15,10 @@ using MaterialIndex = std::function<std::uint32_t(const std::string& name)>;
 /// is not finite, not affine, or singular to working precision.
 M44d checked_inverse(const M44d& m, const std::string& path);
 
+/// Throws std::invalid_argument, beginning with `path` and naming the primvar, unless all are
+/// constant and whole.
+void check_constant(const Primvars& primvars, const std::string& path);
+
 /// Cuts the polygons of `mesh` into triangles, positions taken to trace space in double and then
 /// narrowed. Throws std::invalid_argument, beginning with `path`, on broken topology or values.
 std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& mesh,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/scene/equality.h"
 
+#include <algorithm>
+
 #include "irt/math/bits.h"
 
 namespace irt {
@@ -27,12 +29,20 @@ bool same(const Quadric& a, const Quadric& b) {
            same_bits(a.length, b.length);
 }
 
+bool same(const Primvars& a, const Primvars& b) {
+    return std::equal(
+        a.begin(), a.end(), b.begin(), b.end(), [](const Primvar& p, const Primvar& q) {
+            return p.name == q.name && p.interpolation == q.interpolation && p.width == q.width &&
+                   same_bits(p.values, q.values) && same_bits(p.indices, q.indices);
+        });
+}
+
 bool same(const Mesh& a, const Mesh& b) {
     return a.normals_interpolation == b.normals_interpolation && a.left_handed == b.left_handed &&
            a.single_sided == b.single_sided && same_bits(a.points, b.points) &&
            same_bits(a.face_vertex_counts, b.face_vertex_counts) &&
            same_bits(a.face_vertex_indices, b.face_vertex_indices) &&
-           same_bits(a.normals, b.normals);
+           same_bits(a.normals, b.normals) && same(a.primvars, b.primvars);
 }
 
 bool same(const Geometry& a, const Geometry& b) {

@@ -7,6 +7,7 @@
 namespace irt {
 
 bool same(const Quadric& a, const Quadric& b);
+bool same(const Primvars& a, const Primvars& b);
 bool same(const Mesh& a, const Mesh& b);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);

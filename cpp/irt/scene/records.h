@@ -27,6 +27,19 @@ struct Quadric {
 
 enum class Interpolation : std::uint8_t { None, Constant, Uniform, Vertex, FaceVarying };
 
+/// A value given along with a shape (UsdGeomPrimvar): elements of `width` floats, as many as
+/// `interpolation` asks for. USD's varying is Vertex here, polygons being interpolated linearly.
+struct Primvar {
+    std::string name;                                       ///< without "primvars:"
+    Interpolation interpolation = Interpolation::Constant;  ///< never None
+    int width = 1;                                          ///< 1 to 4
+    std::vector<float> values;                              ///< `width` floats a value
+    std::vector<std::int32_t> indices;  ///< the value of each element; empty: element i is value i
+};
+
+/// Sorted by name, each name once.
+using Primvars = std::vector<Primvar>;
+
 /// A polygon mesh as authored (object space). `normals` has one entry per whatever
 /// `normals_interpolation` says; None means facets.
 struct Mesh {
@@ -37,6 +50,7 @@ struct Mesh {
     Interpolation normals_interpolation = Interpolation::None;
     bool left_handed = false;
     bool single_sided = false;  ///< authored doubleSided = false: back faces do not exist
+    Primvars primvars = {};
 };
 
 struct Prototype;
@@ -61,7 +75,8 @@ struct Prototype {
 struct Object {
     Geometry geometry;
     M44d world_from_object;
-    std::string material;  ///< unused for an instance: its parts name their own
+    std::string material;    ///< unused for an instance: its parts name their own
+    Primvars primvars = {};  ///< constant ones, read where the geometry has none of the name
 };
 
 /// UsdPreviewSurface's constants, its defaults (scene-linear RGB).

@@ -31,7 +31,8 @@ bool is_instance(const Object& object) {
 }
 
 bool same_shape(const Object& a, const Object& b) {
-    return same(a.geometry, b.geometry) && same_bits(a.world_from_object, b.world_from_object);
+    return same(a.geometry, b.geometry) && same_bits(a.world_from_object, b.world_from_object) &&
+           same(a.primvars, b.primvars);
 }
 
 }  // namespace
@@ -54,6 +55,7 @@ ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepare
             throw std::invalid_argument(path + ": no material named '" + name + "'");
         return prepared.material_slots.at(name);
     };
+    check_constant(record.primvars, path);
     const M44d render_from_object = relative_to(record.world_from_object, render_origin_);
     ObjectSlot slot;
     slot.live = true;
