@@ -2,7 +2,8 @@
 """UsdGeomMesh: the control cage as polygons, with authored normals or as facets."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, cast
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from pxr import Usd, UsdGeom
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.primvars import Interpolation, Primvars, PrimvarValue, primvar_attributes
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.topology import Topology, TopologyError, integers
 from irt_usd.stage.transforms import Node
@@ -17,8 +19,6 @@ from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
     from irt_usd import _core
-
-Interpolation = Literal["constant", "uniform", "vertex", "faceVarying"]
 
 _NAMES = (
     "points",
@@ -39,11 +39,17 @@ class MeshShape(Shape):
 
     Attributes: points (n, 3) float32, faceVertexCounts and faceVertexIndices int32 without the
     holes, normals (k, 3) float32 or None with "normals:interpolation", orientation, doubleSided
-    (None: not authored).
+    (None: not authored), and each primvar's values, ":indices" and ":interpolation".
     """
 
-    def __init__(self, attributes: Mapping[str, Value], extent: float) -> None:
-        self.attributes = attributes
+    def __init__(
+        self,
+        attributes: Mapping[str, Value],
+        extent: float,
+        primvars: Mapping[str, PrimvarValue] = MappingProxyType({}),
+    ) -> None:
+        self.attributes = {**attributes, **primvar_attributes(primvars)}
+        self._primvars = primvars
         self.extent = extent
         """The largest absolute coordinate."""
         self._geometry: _core.Mesh | None = None
@@ -62,18 +68,20 @@ class MeshShape(Shape):
                 values["normals:interpolation"],
                 left_handed=values["orientation"] == "leftHanded",
                 single_sided=values["doubleSided"] is False,
+                primvars={name: primvar.core for name, primvar in self._primvars.items()},
             )
         return self._geometry
 
 
 class MeshSource:
-    """Reads one mesh."""
+    """Reads one mesh, and of its primvars those that are `wanted` (without "primvars:")."""
 
-    def __init__(self, node: Node, report: Report) -> None:
+    def __init__(self, node: Node, report: Report, wanted: frozenset[str]) -> None:
         self._report = report
         self._prim = prim = node.prim
         self._path = node.path
         self._attributes = Attributes(prim, _NAMES, report, node.in_clips)
+        self._primvars = Primvars(prim, wanted, report)
         self._double_sided_authored = prim.GetAttribute("doubleSided").HasAuthoredValue()
         self._shape: Shape | None = None
         self._topology: Topology | None = None
@@ -85,11 +93,12 @@ class MeshSource:
     @property
     def varies(self) -> bool:
         """Whether the shape can differ between frames."""
-        return self._attributes.vary
+        return self._attributes.vary or self._primvars.vary
 
     def read(self, time: Usd.TimeCode) -> Shape | None:
         """The shape at `time` (the same object while nothing changes); None: nothing to draw."""
-        if self._attributes.update(time) or self._first:
+        changed = self._attributes.update(time)
+        if self._primvars.update(time) or changed or self._first:
             self._first = False
             self._shape = self._build(time)
         return self._shape
@@ -120,7 +129,14 @@ class MeshSource:
             "orientation": values["orientation"],
             "doubleSided": values["doubleSided"] if authored else None,
         }
-        return MeshShape(shape, float(np.abs(points).max()))
+        primvars = self._primvars.checked(
+            lambda v: topology.size_fault(v.interpolation, v.elements(), len(points)), time
+        )
+        return MeshShape(
+            shape,
+            float(np.abs(points).max()),
+            {name: _without_holes(value, topology) for name, value in primvars.items()},
+        )
 
     def _read_topology(self, point_count: int, points: NDArray[np.float32]) -> Topology:
         values = self._attributes.values
@@ -153,12 +169,21 @@ class MeshSource:
                 authored = UsdGeom.Primvar(attribute).GetInterpolation()
                 normals = _flattened(normals, values["primvars:normals:indices"])
             interpolation = "vertex" if authored == "varying" else str(authored)
-            normals = topology.select_normals(name, normals, interpolation, point_count)
+            fault_found = topology.size_fault(interpolation, len(normals), point_count)
+            if fault_found:
+                raise TopologyError(name, f"{name}: {fault_found}")
+            kept = topology.kept(interpolation)
+            normals = normals if kept is None else normals[kept]
         except TopologyError as fault:
             message = f"{fault.message}; facets rendered instead"
             self._report.skipped(message, where(self._prim, fault.attribute, time))
             return None, "vertex"
         return normals, cast("Interpolation", interpolation)
+
+
+def _without_holes(primvar: PrimvarValue, topology: Topology) -> PrimvarValue:
+    kept = topology.kept(primvar.interpolation)
+    return primvar if kept is None else primvar.selected(kept)
 
 
 def vectors(attribute: str, value: Value) -> NDArray[np.float32]:

@@ -11,6 +11,7 @@ from pxr import Usd
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.primvars import Primvars, PrimvarValue, constant_only, primvar_attributes
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.values import Value
@@ -35,8 +36,11 @@ _ROW_OF_CORE_AXIS = {"X": (1, 2, 0, 3), "Y": (2, 0, 1, 3), "Z": (0, 1, 2, 3)}
 class QuadricShape(Shape):
     """A solid of UsdGeom. The core's lie along z; `place` turns them, by a permutation of axes."""
 
-    def __init__(self, attributes: Mapping[str, Value]) -> None:
-        self.attributes = attributes
+    def __init__(
+        self, attributes: Mapping[str, Value], primvars: Mapping[str, PrimvarValue]
+    ) -> None:
+        self.attributes = {**attributes, **primvar_attributes(primvars)}
+        self.primvars = primvars
         self._axis = str(attributes.get("axis", "Z"))
 
     def geometry(self) -> "_core.Quadric":
@@ -67,9 +71,9 @@ class QuadricShape(Shape):
 
 
 class QuadricSource:
-    """Reads one solid."""
+    """Reads one solid, and of its primvars those that are `wanted` (without "primvars:")."""
 
-    def __init__(self, node: Node, report: Report) -> None:
+    def __init__(self, node: Node, report: Report, wanted: frozenset[str]) -> None:
         self._report = report
         self._kind = str(node.prim.GetTypeName())
         names = LENGTHS[self._kind]
@@ -78,17 +82,19 @@ class QuadricSource:
         if self._kind == "Plane":
             names = (*names, "doubleSided")
         self._attributes = Attributes(node.prim, names, report, node.in_clips)
+        self._primvars = Primvars(node.prim, wanted, report)
         self._shape: Shape | None = None
         self._first = True
 
     @property
     def varies(self) -> bool:
         """Whether the shape can differ between frames."""
-        return self._attributes.vary
+        return self._attributes.vary or self._primvars.vary
 
     def read(self, time: Usd.TimeCode) -> Shape | None:
         """The shape at `time` (the same object while nothing changes); None: nothing to draw."""
-        if self._attributes.update(time) or self._first:
+        changed = self._attributes.update(time)
+        if self._primvars.update(time) or changed or self._first:
             self._first = False
             self._shape = self._build(time)
         return self._shape
@@ -113,4 +119,5 @@ class QuadricSource:
             self._report.unsupported(
                 "single-sided planes (both sides rendered)", str(prim.GetPath())
             )
-        return QuadricShape({"typeName": self._kind, **values})
+        primvars = self._primvars.checked(constant_only, time)
+        return QuadricShape({"typeName": self._kind, **values}, primvars)

@@ -205,7 +205,7 @@ class ShotReader:
                 name = self._display_material(node)
             is_mesh = node.prim.GetTypeName() == "Mesh"
             kind: type[MeshSource | QuadricSource] = MeshSource if is_mesh else QuadricSource
-            shape = attempt(lambda: kind(node, self._report), node.prim, self._report)  # noqa: B023
+            shape = attempt(partial(kind, node, self._report, frozenset()), node.prim, self._report)
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report))
         return sources

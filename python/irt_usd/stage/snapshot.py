@@ -4,11 +4,13 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from irt_usd.stage.primvars import PrimvarValue
 from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
@@ -21,6 +23,8 @@ class Shape(ABC):
     """Geometry in object space. `attributes` are USD's names and values, "typeName" among them."""
 
     attributes: Mapping[str, Value]
+    primvars: Mapping[str, PrimvarValue] = MappingProxyType({})
+    """Of shapes without vertices: primvars of one element."""
 
     @abstractmethod
     def geometry(self) -> "_core.Quadric | _core.Mesh":
@@ -54,7 +58,8 @@ class ObjectState:
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
         placed = self.shape.place(self.world_from_object)
-        changes.set_object(self.path, self.shape.geometry(), placed, self.material)
+        primvars = {name: value.single.core for name, value in self.shape.primvars.items()}
+        changes.set_object(self.path, self.shape.geometry(), placed, self.material, primvars)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

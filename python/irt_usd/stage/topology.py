@@ -79,13 +79,8 @@ class Topology:
             flat &= np.add.reduceat(cross, starts) == 0
         return degenerate + int(flat.sum())
 
-    def select_normals(
-        self, name: str, normals: NDArray[np.float32], interpolation: str, point_count: int
-    ) -> NDArray[np.float32]:
-        """The normals of what is no hole.
-
-        Raises TopologyError unless there are as many as `interpolation` asks for.
-        """
+    def size_fault(self, interpolation: str, size: int, point_count: int) -> str | None:
+        """What is wrong with `size` elements of this interpolation, if anything."""
         sizes = {
             "constant": 1,
             "uniform": len(self._all_counts),
@@ -93,18 +88,19 @@ class Topology:
             "faceVarying": len(self._all_indices),
         }
         if interpolation not in sizes:
-            raise TopologyError(name, f"the interpolation of {name} is '{interpolation}'")
-        if len(normals) != sizes[interpolation]:
-            message = (
-                f"there are {len(normals)} {name}; expected {sizes[interpolation]}, "
-                f"their interpolation being {interpolation}"
-            )
-            raise TopologyError(name, message)
-        if self._kept_faces is None:
-            return normals
-        if interpolation == "uniform":
-            return normals[self._kept_faces]
-        return normals[self._kept_corners] if interpolation == "faceVarying" else normals
+            return f"the interpolation is '{interpolation}'"
+        if size == sizes[interpolation]:
+            return None
+        return (
+            f"there are {size} elements; expected {sizes[interpolation]}, "
+            f"the interpolation being {interpolation}"
+        )
+
+    def kept(self, interpolation: str) -> NDArray[np.bool_] | None:
+        """Which elements of this interpolation are of no hole; None: all."""
+        if self._kept_faces is None or interpolation in ("constant", "vertex"):
+            return None
+        return self._kept_faces if interpolation == "uniform" else self._kept_corners
 
     def _without_holes(self, holes: Value) -> NDArray[np.bool_] | None:
         if holes is None or (isinstance(holes, np.ndarray) and len(holes) == 0):
