@@ -6,7 +6,7 @@ import pytest
 from conftest import MakeShot, ReadShot
 from irt_usd.stage import MaterialState
 from irt_usd.stage.display_color import DEFAULT_MATERIAL
-from irt_usd.stage.materials import DEFAULTS
+from irt_usd.stage.graph import DEFAULTS
 
 
 def bound(kind: str, name: str, material: str = "/M", inside: str = "") -> str:

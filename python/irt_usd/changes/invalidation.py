@@ -5,13 +5,10 @@ The names say the most that a change can touch, for people to read; the core dec
 from the records.
 """
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 from irt_usd.stage.lights import ENERGY_ATTRIBUTES
 from irt_usd.stage.snapshot import CameraState, LightState, MaterialState, ObjectState, State
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 Invalidates = Literal[
     "visibility and shading",
@@ -61,8 +58,10 @@ def invalidates(
 
 def _only_diffuse(state: State | None) -> bool:
     """Whether the colour tints no shadow and weighs no mirror ray."""
-    values: Mapping[str, Any] = state.attributes if state is not None else {}
-    return bool(values.get("opacity", 1.0) >= 1.0 and values.get("metallic", 0.0) == 0.0)
+    if not isinstance(state, MaterialState):
+        return True
+    opacity, metallic = state.surface.constant("opacity"), state.surface.constant("metallic")
+    return opacity is not None and opacity >= 1.0 and metallic == 0.0
 
 
 def _of_light(old: State | None, new: State | None, attribute: str, same_aim: bool) -> Invalidates:

@@ -6,7 +6,7 @@ from pxr import Usd, UsdGeom
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
-from irt_usd.stage.materials import DEFAULTS
+from irt_usd.stage.graph import DEFAULTS, Surface
 from irt_usd.stage.snapshot import MaterialState
 from irt_usd.stage.values import Value, finite, same_bits
 
@@ -16,7 +16,7 @@ DEFAULT_MATERIAL = "irt:default"
 
 def default_material() -> MaterialState:
     """UsdPreviewSurface with nothing authored: grey, 0.18."""
-    return MaterialState(DEFAULT_MATERIAL, DEFAULTS)
+    return MaterialState(DEFAULT_MATERIAL, DEFAULTS, Surface())
 
 
 class DisplayColorSource:
@@ -39,13 +39,13 @@ class DisplayColorSource:
         """The material at `time`: the same object while no bit of it changes."""
         if self._state is not None and not self.varies:
             return self._state
-        values = dict(DEFAULTS)
+        values: dict[str, Value] = {}
         values["diffuseColor"] = self._first(self._color, DEFAULTS["diffuseColor"], time)
         values["opacity"] = self._first(self._opacity, DEFAULTS["opacity"], time)
         if self._state is None or not all(
             same_bits(values[name], self._state.attributes[name]) for name in values
         ):
-            self._state = MaterialState(self.path, values)
+            self._state = MaterialState(self.path, {**DEFAULTS, **values}, Surface(values))
         return self._state
 
     def _first(self, primvar: UsdGeom.Primvar, default: Value, time: Usd.TimeCode) -> Value:

@@ -1,35 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdPreviewSurface's constants, its connected inputs followed to where the constants are."""
 
-from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
 
-from pxr import Gf, Sdf, Tf, Usd, UsdShade
+from pxr import Sdf, Tf, Usd, UsdShade
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
 from irt_usd.stage.diagnostics import attempt
+from irt_usd.stage.graph import DEFAULTS, Surface
 from irt_usd.stage.snapshot import MaterialState
 from irt_usd.stage.values import Value, coerced, finite, plain, same_bits
 
-if TYPE_CHECKING:
-    from irt_usd import _core
-
 _UNBOUNDED = float("inf")
+_LATER = frozenset(("clearcoat", "clearcoatRoughness", "normal"))
 
-DEFAULTS: dict[str, Value] = {
-    "diffuseColor": tuple(Gf.Vec3f(0.18)),
-    "emissiveColor": (0.0, 0.0, 0.0),
-    "useSpecularWorkflow": 0,
-    "specularColor": (0.0, 0.0, 0.0),
-    "metallic": 0.0,
-    "roughness": 0.5,
-    "opacity": 1.0,
-    "opacityThreshold": 0.0,
-    "ior": 1.5,
-}
-"""The inputs that are rendered, with UsdPreviewSurface's defaults (colours float32, linear RGB)."""
+_OWN_DEFAULTS = {name: DEFAULTS[name] for name in DEFAULTS if name not in _LATER}
 
 _RANGES: dict[str, tuple[float, float]] = {
     "diffuseColor": (0.0, _UNBOUNDED),
@@ -53,24 +39,6 @@ _NOT_RENDERED: dict[str, Value] = {
 """Inputs that are reported where they are not at their defaults."""
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3}
-
-
-def core_material(attributes: Mapping[str, Value]) -> "_core.Material":
-    """The core's record of `attributes`, which has a value for every name of DEFAULTS."""
-    from irt_usd import _core
-
-    values: Mapping[str, Any] = attributes
-    return _core.Material(
-        diffuse_color=values["diffuseColor"],
-        emissive_color=values["emissiveColor"],
-        specular_color=values["specularColor"],
-        use_specular_workflow=values["useSpecularWorkflow"] != 0,
-        metallic=values["metallic"],
-        roughness=values["roughness"],
-        opacity=values["opacity"],
-        opacity_threshold=values["opacityThreshold"],
-        ior=values["ior"],
-    )
 
 
 def preview_surface(material: UsdShade.Material, report: Report) -> UsdShade.Shader | None:
@@ -99,7 +67,7 @@ class MaterialSource:
     def __init__(self, path: str, shader: UsdShade.Shader, report: Report) -> None:
         self.path = path
         self._report = report
-        self._inputs = {name: _Input(shader, name, report) for name in DEFAULTS}
+        self._inputs = {name: _Input(shader, name, report) for name in _OWN_DEFAULTS}
         self._state: MaterialState | None = None
         for name, default in _NOT_RENDERED.items():
             unused = _Input(shader, name, None)
@@ -122,7 +90,7 @@ class MaterialSource:
         if self._state is None or not all(
             same_bits(values[name], self._state.attributes[name]) for name in values
         ):
-            self._state = MaterialState(self.path, values)
+            self._state = MaterialState(self.path, {**DEFAULTS, **values}, Surface(values))
         return self._state
 
     def _checked(self, name: str, item: "_Input", time: Usd.TimeCode) -> Value:
@@ -144,7 +112,7 @@ class _Input:
     """One input of a shader, and the attribute that gives it its value."""
 
     def __init__(self, shader: UsdShade.Shader, name: str, report: Report | None) -> None:
-        self._default = DEFAULTS.get(name, _NOT_RENDERED.get(name))
+        self._default = _NOT_RENDERED.get(name, DEFAULTS.get(name))
         self._query: Usd.AttributeQuery | None = None
         self._channel: str | None = None
         self.connected = False

@@ -18,8 +18,9 @@ from irt_usd.stage.display_color import (
     DisplayColorSource,
     default_material,
 )
+from irt_usd.stage.graph import DEFAULTS, Surface
 from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
-from irt_usd.stage.materials import DEFAULTS, MaterialSource, bound_materials, preview_surface
+from irt_usd.stage.materials import MaterialSource, bound_materials, preview_surface
 from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.open import materialx_file
@@ -225,7 +226,7 @@ class ShotReader:
         """The material; UsdPreviewSurface's defaults, and reported, where USD fails."""
         prim = self._stage.GetPrimAtPath(Sdf.Path(source.path).GetPrimPath())
         state = attempt(partial(source.read, time), prim, self._report)
-        return state if state is not None else MaterialState(source.path, DEFAULTS)
+        return state if state is not None else MaterialState(source.path, DEFAULTS, Surface())
 
     def _camera_errors(self) -> AbstractContextManager[None]:
         return usd_errors(f"{self._file}: the camera {self.camera_path}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from irt_usd.stage.graph import Surface, TextureSource, core_material
 from irt_usd.stage.primvars import PrimvarValue
 from irt_usd.stage.values import Value
 
@@ -64,16 +65,22 @@ class ObjectState:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MaterialState:
-    """A material's constants: `attributes` by input name, without "inputs:"."""
+    """A material.
+
+    `attributes` decide all of it: inputs by name, without "inputs:", and what its other shaders
+    say by whole paths, such as "/M/T.inputs:scale". A connected input's value is the text
+    "</M/T.outputs:rgb>".
+    """
 
     path: str
     attributes: Mapping[str, Value]
+    surface: Surface
+    textures: TextureSource | None = None
+    """Where the texels of the surface's textures come from."""
 
     def core(self) -> "_core.Material":
         """The core's record."""
-        from irt_usd.stage.materials import core_material
-
-        return core_material(self.attributes)
+        return core_material(self.surface, self.textures)
 
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A material as plain data: UsdPreviewSurface's inputs, constants or fed by a graph of nodes.
+
+It mirrors the core's record, but for textures, which are references here and texels there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from irt_usd.stage.values import Value
+
+if TYPE_CHECKING:
+    from irt_usd import _core
+
+Wrap = Literal["black", "clamp", "repeat", "mirror"]
+Constant = float | tuple[float, ...]
+"""A number fills all four components; a shorter tuple is padded with 0, 0, 1."""
+
+DEFAULTS: dict[str, Value] = {
+    "diffuseColor": (0.18000000715255737,) * 3,
+    "emissiveColor": (0.0, 0.0, 0.0),
+    "useSpecularWorkflow": 0,
+    "specularColor": (0.0, 0.0, 0.0),
+    "metallic": 0.0,
+    "roughness": 0.5,
+    "clearcoat": 0.0,
+    "clearcoatRoughness": 0.009999999776482582,
+    "opacity": 1.0,
+    "opacityThreshold": 0.0,
+    "ior": 1.5,
+    "normal": (0.0, 0.0, 1.0),
+}
+"""The inputs that are rendered, with UsdPreviewSurface's defaults (of single precision)."""
+
+_CORE_NAMES = {
+    "diffuseColor": "diffuse_color",
+    "emissiveColor": "emissive_color",
+    "useSpecularWorkflow": "use_specular_workflow",
+    "specularColor": "specular_color",
+    "metallic": "metallic",
+    "roughness": "roughness",
+    "clearcoat": "clearcoat",
+    "clearcoatRoughness": "clearcoat_roughness",
+    "opacity": "opacity",
+    "opacityThreshold": "opacity_threshold",
+    "ior": "ior",
+    "normal": "normal",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class TextureReference:
+    """An image file, and what its numbers mean."""
+
+    file: str
+    """Where the asset resolver finds it; with `udim`, it has <UDIM> in it."""
+    color_space: str = "auto"
+    """ "raw", "sRGB" or "auto" as UsdUVTexture has them, else the name of a colour space."""
+    udim: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One operation. The core documents the operations and the slots they have.
+
+    A slot's value is that of `inputs`, the index of an earlier node, or where that is -1 (or
+    missing) its constant.
+    """
+
+    op: str
+    inputs: tuple[int, ...] = ()
+    constants: tuple[Constant, ...] = ()
+    primvar: str = ""
+    texture: TextureReference | None = None
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+    swizzle: str = "rgba"
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """UsdPreviewSurface's inputs, colours in the rendering space.
+
+    `constants` by input name, for those that DEFAULTS does not speak for. `nodes` in topological
+    order. `connected` by input name: the node that feeds it, and which of its values: "rgb" or one
+    of "r", "g", "b", "a".
+    """
+
+    constants: Mapping[str, Value] = field(default_factory=dict)
+    nodes: tuple[Node, ...] = ()
+    connected: Mapping[str, tuple[int, str]] = field(default_factory=dict)
+
+    def constant(self, name: str) -> Any:
+        """The value of an input, None where a node feeds it."""
+        return None if name in self.connected else self.constants.get(name, DEFAULTS[name])
+
+    @property
+    def primvars(self) -> frozenset[str]:
+        """The primvars that the graph reads, without "primvars:"."""
+        return frozenset(node.primvar for node in self.nodes if node.primvar)
+
+    @property
+    def textures(self) -> frozenset[TextureReference]:
+        """The images that the graph reads."""
+        return frozenset(node.texture for node in self.nodes if node.texture is not None)
+
+
+class TextureSource(Protocol):
+    """Where the texels of a reference come from."""
+
+    def texture(self, reference: TextureReference) -> Any:
+        """The decoded texture, the same one at every call; None: its fallback is rendered."""
+
+
+def core_material(surface: Surface, textures: TextureSource | None = None) -> "_core.Material":
+    """The core's record of `surface`, with the texels that `textures` has."""
+    from irt_usd import _core
+
+    values: dict[str, Any] = {_CORE_NAMES[name]: v for name, v in surface.constants.items()}
+    if "useSpecularWorkflow" in surface.constants:
+        values["use_specular_workflow"] = surface.constants["useSpecularWorkflow"] != 0
+    if surface.nodes:
+        values["nodes"] = [_core_node(node, textures) for node in surface.nodes]
+        values["connected"] = {_CORE_NAMES[n]: feed for n, feed in surface.connected.items()}
+    return _core.Material(**values)
+
+
+def _core_node(node: Node, textures: TextureSource | None) -> Any:
+    from irt_usd import _core
+
+    core: Any = _core
+    make = core.ShadeNode
+    if node.texture is None:
+        return make(
+            node.op, node.inputs, node.constants, primvar=node.primvar, swizzle=node.swizzle
+        )
+    texture = textures.texture(node.texture) if textures is not None else None
+    if texture is None:
+        return make("constant", (), (node.constants[1],))
+    return make(node.op, node.inputs, node.constants, texture=texture, wrap=node.wrap)
