@@ -252,3 +252,28 @@ def test_one_frame_that_exists(shot: str, tmp_path: Path) -> None:
     result = irt("render", shot, *SIZE, "-o", pattern, "--skip-existing", "-f", "2:3")
     assert "1 frame exists already and is skipped" in result.output
     assert "done: 1 frame in" in result.output
+
+
+def test_opening_options_show_in_the_header(shot: str, tmp_path: Path) -> None:
+    text = '#usda 1.0\nover "Ball"\n{\n double radius = 2\n}\n'
+    options = ["--session-layer", write_stage(tmp_path, text, "s.usda"), "--camera", "/Cam"]
+    options += ["--mask", "/Ball, /Lamp", "--purposes", "proxy", "--missing-asset", "warn"]
+    render(shot, tmp_path / "o", "-f", "1", *options)
+    spec = spec_of(tmp_path / "o" / "b.0001.exr")
+    assert spec["irt:sessionLayer"] == "s.usda"
+    assert spec["irt:mask"] == "/Ball /Lamp"
+    assert spec["irt:purposes"] == "default proxy"
+    assert spec["irt:missingAsset"] == "warn"
+
+
+def test_opening_options_reach_every_command(shot: str, tmp_path: Path) -> None:
+    missing = write_stage(tmp_path, "#usda 1.0\n(\n subLayers = [@gone.usda@]\n)\n", "s.usda")
+    for command in ("render", "verify", "changes"):
+        assert "gone.usda" in failure(command, shot, "--session-layer", missing)
+
+
+@pytest.mark.parametrize(
+    "options", [("--purposes", "all"), ("--mask", ","), ("--missing-asset", "ignore")]
+)
+def test_opening_options_that_are_wrong(shot: str, options: tuple[str, ...]) -> None:
+    assert options[0] in failure("changes", shot, *options)

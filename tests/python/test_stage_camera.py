@@ -104,7 +104,6 @@ def test_impossible_sizes_of_the_stage(shot: MakeShot, body: str, what: str) -> 
         ('token pixelAspectRatio = "wide"', "skipped"),
         ("uniform float pixelAspectRatio = 2", "unsupported"),
         ("uniform float4 dataWindowNDC = (0, 0, 0.5, 1)", "unsupported"),
-        ('uniform token[] includedPurposes = ["default", "proxy"]', "unsupported"),
     ],
 )
 def test_render_settings_that_are_not_followed(shot: MakeShot, line: str, severity: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from irt_usd.choices import MISSING_ASSET, PURPOSES, MissingAsset
 from irt_usd.cli.errors import VERBOSE
 from irt_usd.errors import InputError
 from irt_usd.shot.settings import AOV_NAMES, ShotOptions, TraceSettings, check_film_size
@@ -63,6 +64,11 @@ def shot_options(command: Command) -> Command:
         size: str | None,
         no_camera_light: bool,
         require_locked: bool,
+        purposes: str | None,
+        session_layer: str | None,
+        mask: str | None,
+        asset_path: tuple[str, ...],
+        missing_asset: MissingAsset,
         **rest: Any,
     ) -> Any:
         options = ShotOptions(
@@ -72,6 +78,11 @@ def shot_options(command: Command) -> Command:
             parse_size(size) if size is not None else None,
             not no_camera_light,
             require_locked,
+            _parse_purposes(purposes) if purposes is not None else None,
+            session_layer,
+            _parse_mask(mask) if mask is not None else (),
+            asset_path,
+            missing_asset,
         )
         return command(*args, options=options, **rest)
 
@@ -93,6 +104,37 @@ def shot_options(command: Command) -> Command:
         ),
         click.option(
             "--require-locked", is_flag=True, help="Refuse a camera that moves in the range."
+        ),
+        click.option(
+            "--session-layer",
+            metavar="FILE",
+            help="A layer whose opinions are stronger than the stage's own.",
+        ),
+        click.option(
+            "--mask",
+            metavar="PRIMPATH[,PRIMPATH...]",
+            help="Only these prims, with their descendants, ancestors and what they are bound to.",
+        ),
+        click.option(
+            "--purposes",
+            metavar="PURPOSE[,PURPOSE...]",
+            help="What is rendered beside the purpose default: render, proxy, guide; by default"
+            " what the stage's render settings say, or render.",
+        ),
+        click.option(
+            "--asset-path",
+            metavar="DIR",
+            multiple=True,
+            help="A folder searched for assets, before those of PXR_AR_DEFAULT_SEARCH_PATH; may be"
+            " repeated.",
+        ),
+        click.option(
+            "--missing-asset",
+            type=click.Choice(MISSING_ASSET),
+            default="fail",
+            show_default=True,
+            help="Of a layer or texture that is not there: refuse the shot, render without it and"
+            " say so once, or say so each time.",
         ),
         click.option("--strict", is_flag=True, help="Refuse what would be left out and reported."),
     )
@@ -154,6 +196,25 @@ def parse_size(text: str) -> tuple[int, int]:
     size = (int(match[1]), int(match[2]))
     check_film_size(size, ())
     return size
+
+
+def _parse_purposes(text: str) -> tuple[str, ...]:
+    """`default` is always among them, as in usdrecord."""
+    names = text.replace(",", " ").split()
+    for name in names:
+        if name not in PURPOSES:
+            raise InputError(
+                f"--purposes {text}: there is no purpose '{name}'; expected some of"
+                f" {', '.join(PURPOSES)}"
+            )
+    return tuple(dict.fromkeys(["default", *names]))
+
+
+def _parse_mask(text: str) -> tuple[str, ...]:
+    paths = tuple(text.replace(",", " ").split())
+    if not paths:
+        raise InputError("--mask: no prim is named; write /World/Chair")
+    return paths
 
 
 def check_isa(isa: str) -> None:

@@ -72,11 +72,11 @@ def render(
     from irt_usd.shot.output import default_pattern, output_paths, parse_pattern, prepare_output
     from irt_usd.shot.progress import shot_progress
     from irt_usd.shot.render import TABLE_HEADER, OutputOptions, render_shot
-    from irt_usd.shot.session import open_shot
+    from irt_usd.shot.session import open_shot, opening
     from irt_usd.shot.settings import check_film_size
 
     if list_cameras:
-        cameras = stage.list_cameras(stage.open_stage(options.stage))
+        cameras = stage.list_cameras(stage.open_stage(options.stage, opening(options)))
         for path in cameras:
             click.echo(path)
         if not cameras:

@@ -34,6 +34,8 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:stage": Path(shot.options.stage).name,
         "irt:camera": shot.camera_path,
         "irt:cameraLight": int(shot.reader.camera_light),
+        "irt:purposes": " ".join(shot.reader.purposes),
+        "irt:missingAsset": shot.options.missing_asset,
         "irt:samples": settings.samples,
         "irt:maxDepth": settings.max_depth,
         "irt:throughputCutoff": settings.throughput_cutoff,
@@ -43,6 +45,10 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:numericFingerprint": _core.numeric_fingerprint(settings.isa),
         "irt:versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
     }
+    if shot.options.session_layer is not None:
+        entries["irt:sessionLayer"] = Path(shot.options.session_layer).name
+    if shot.options.mask:
+        entries["irt:mask"] = " ".join(shot.options.mask)
     rate = shot.stage.GetFramesPerSecond()
     if rate < _INTEGERS:
         entries["framesPerSecond"] = frames_per_second(rate)

@@ -18,7 +18,7 @@ from irt_usd.shot.frames import (
     parse_frames,
 )
 from irt_usd.shot.settings import ShotOptions
-from irt_usd.stage import ReadOptions, ShotReader, open_stage
+from irt_usd.stage import OpenOptions, ReadOptions, ShotReader, open_stage
 
 Vec3 = tuple[float, float, float]
 
@@ -61,7 +61,7 @@ class Shot:
         """Another reader of the same frames, which reports to nobody."""
         options = replace(self.options, camera=self.camera_path, size=self.size)
         return ShotReader(
-            self.stage, _read_options(options), Report(), [float(frame) for frame in self.frames]
+            self.stage, _reading(options), Report(), [float(frame) for frame in self.frames]
         )
 
     def reopened(self, frame: Frame) -> "Shot":
@@ -70,18 +70,18 @@ class Shot:
         What was settled for this shot (camera, size, render origin) is settled for it too.
         """
         options = replace(self.options, camera=self.camera_path, size=self.size)
-        stage = open_stage(options.stage)
         report = Report()
-        reader = ShotReader(stage, _read_options(options), report, [float(frame)])
+        stage = open_stage(options.stage, opening(options), report)
+        reader = ShotReader(stage, _reading(options), report, [float(frame)])
         return Shot(options, stage, report, (frame,), reader, self.render_origin, ())
 
 
 def open_shot(options: ShotOptions, report: Report) -> Shot:
     """Opens the stage and settles frames, camera and size. Raises InputError."""
     requested = parse_frames(options.frames) if options.frames is not None else None
-    stage = open_stage(options.stage)
+    stage = open_stage(options.stage, opening(options), report)
     frames = requested or _stage_frames(stage, options.stage)
-    reader = ShotReader(stage, _read_options(options), report, [float(f) for f in frames])
+    reader = ShotReader(stage, _reading(options), report, [float(f) for f in frames])
     _mention_range(stage, frames, report)
     report.enforce("the shot cannot be rendered whole; nothing was rendered")
     moving = set(reader.camera_moves)
@@ -96,8 +96,22 @@ def open_shot(options: ShotOptions, report: Report) -> Shot:
     )
 
 
-def _read_options(options: ShotOptions) -> ReadOptions:
-    return ReadOptions(camera=options.camera, camera_light=options.camera_light, size=options.size)
+def opening(options: ShotOptions) -> OpenOptions:
+    """How the stage is opened; a camera given by its path is there behind any mask."""
+    mask = options.mask
+    if mask and options.camera is not None and options.camera.startswith("/"):
+        mask = (*mask, options.camera)
+    return OpenOptions(options.session_layer, mask, options.asset_path, options.missing_asset)
+
+
+def _reading(options: ShotOptions) -> ReadOptions:
+    return ReadOptions(
+        camera=options.camera,
+        purposes=options.purposes,
+        camera_light=options.camera_light,
+        size=options.size,
+        missing_asset=options.missing_asset,
+    )
 
 
 def _stage_frames(stage: Usd.Stage, file: str) -> tuple[Frame, ...]:

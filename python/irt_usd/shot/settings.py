@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 
 MAX_SIDE = 65536
@@ -29,7 +30,11 @@ SURFACE_AOVS = tuple(name for name in AOV_NAMES if not name.startswith("irt."))
 
 @dataclass(frozen=True)
 class ShotOptions:
-    """Which frames of which stage, through which camera; None asks the stage."""
+    """Which frames of which stage, through which camera; None asks the stage.
+
+    `session_layer`, `mask`, `asset_path` and `missing_asset` are as in OpenOptions, `purposes` as
+    in ReadOptions.
+    """
 
     stage: str
     camera: str | None = None
@@ -37,6 +42,11 @@ class ShotOptions:
     size: tuple[int, int] | None = None
     camera_light: bool = True
     require_locked: bool = False
+    purposes: tuple[str, ...] | None = None
+    session_layer: str | None = None
+    mask: tuple[str, ...] = ()
+    asset_path: tuple[str, ...] = ()
+    missing_asset: MissingAsset = "fail"
 
 
 @dataclass(frozen=True)

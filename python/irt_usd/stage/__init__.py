@@ -2,7 +2,7 @@
 """USD stages to snapshots of plain records."""
 
 from irt_usd.stage.camera import list_cameras
-from irt_usd.stage.open import open_stage
+from irt_usd.stage.open import OpenOptions, open_stage
 from irt_usd.stage.reader import ReadOptions, ShotReader
 from irt_usd.stage.snapshot import (
     CameraState,
@@ -18,6 +18,7 @@ __all__ = [
     "LightState",
     "MaterialState",
     "ObjectState",
+    "OpenOptions",
     "ReadOptions",
     "ShotReader",
     "Snapshot",

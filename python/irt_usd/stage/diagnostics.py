@@ -8,9 +8,11 @@ from typing import TypeVar
 
 from pxr import Sdf, Tf, Usd, UsdUtils
 
+from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.stage.attributes import prim_location
+from irt_usd.stage.missing import missing_text, report_missing
 
 _T = TypeVar("_T")
 
@@ -54,8 +56,13 @@ def usd_errors(source: str) -> Iterator[None]:
 
 
 @contextmanager
-def usd_diagnostics(report: Report, stage: Usd.Stage, source: str) -> Iterator[None]:
-    """Warnings become mentions in `report`; errors, and clips lost, InputError on `source`."""
+def usd_diagnostics(
+    report: Report, stage: Usd.Stage, source: str, missing_asset: MissingAsset
+) -> Iterator[None]:
+    """Warnings become mentions in `report`, errors InputError on `source`; of clips lost, either.
+
+    Which, `missing_asset` says.
+    """
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     said: list[str] = []
     try:
@@ -67,7 +74,7 @@ def usd_diagnostics(report: Report, stage: Usd.Stage, source: str) -> Iterator[N
         for text in said:
             if not _LOST_CLIP.search(text):
                 report.mentioned(f"USD says: {text}")
-    refuse_lost_clips(said, stage, source)
+    deal_with_lost_clips(said, stage, source, missing_asset, report)
 
 
 def diagnostics_of(delegate: UsdUtils.CoalescingDiagnosticDelegate) -> list[str]:
@@ -75,25 +82,44 @@ def diagnostics_of(delegate: UsdUtils.CoalescingDiagnosticDelegate) -> list[str]
     return [one_line(diagnostic.commentary) for diagnostic in delegate.TakeUncoalescedDiagnostics()]
 
 
-def refuse_lost_clips(said: Iterable[str], stage: Usd.Stage, source: str) -> None:
-    """Raises InputError if USD said that it cannot open value clips, whose values it then lacks."""
-    found = [_LOST_CLIP.search(text) for text in said]
-    lines = dict.fromkeys(_lost_clip(stage, match[1]) for match in found if match)
-    if lines:
-        raise InputError("\n  ".join([f"{source}: value clips cannot be read:", *lines]))
+def deal_with_lost_clips(
+    said: Iterable[str], stage: Usd.Stage, source: str, policy: MissingAsset, report: Report
+) -> None:
+    """Looks into what USD said for value clips that it cannot open, whose values it then lacks.
+
+    Raises InputError for damaged ones; for missing ones, if `policy` is to fail.
+    """
+    found = (_LOST_CLIP.search(text) for text in said)
+    assets = dict.fromkeys(match[1] for match in found if match)
+    missing, damaged = [], []
+    for asset in assets:
+        place, authored, anchored, file = _clip_in_stage(stage, asset)
+        if file:
+            damaged.append(f"{place}: @{asset}@: {_unopened(file)}; mend the layer")
+        else:
+            missing.append(missing_text(stage, place, anchored, authored))
+    if damaged:
+        raise InputError("\n  ".join([f"{source}: value clips cannot be read:", *damaged]))
+    report_missing("value clips", missing, policy, report, source)
 
 
-def _lost_clip(stage: Usd.Stage, asset: str) -> str:
-    place, reason = "", "no such file"
+def _clip_in_stage(stage: Usd.Stage, asset: str) -> tuple[str, str, str, str]:
+    """Of the clip `asset`: the place that names it, its path as authored and anchored, its file."""
     for prim in stage.TraverseAll():
         api = Usd.ClipsAPI(prim)
         for name in prim.GetMetadata("clips") or ():
             paths = [*api.ComputeClipAssetPaths(name), api.GetClipManifestAssetPath(name)]
             for path in filter(None, paths):
                 if asset in (path.path, path.resolvedPath):
-                    place = f"prim {prim_location(prim)}: "
-                    reason = _unopened(path.resolvedPath) if path.resolvedPath else reason
-    return f"{place}@{asset}@: {reason}; mend the layer, or the prim's clips"
+                    layer = next(s.layer for s in prim.GetPrimStack() if s.HasInfo("clips"))
+                    anchored = layer.ComputeAbsolutePath(path.path)
+                    return (
+                        f"clips of {prim_location(prim)}",
+                        path.path,
+                        anchored,
+                        path.resolvedPath,
+                    )
+    return "clips", asset, asset, ""
 
 
 def _unopened(file: str) -> str:
@@ -101,4 +127,4 @@ def _unopened(file: str) -> str:
         Sdf.Layer.FindOrOpen(file)
     except Tf.ErrorException as error:
         return "; ".join(error_lines(error))
-    return "no such file, or not USD"
+    return "not a USD file"

@@ -9,6 +9,7 @@ from typing import Protocol, TypeVar
 
 from pxr import Sdf, Usd, UsdShade
 
+from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
@@ -25,7 +26,7 @@ from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.open import materialx_file
 from irt_usd.stage.quadrics import QuadricSource
-from irt_usd.stage.settings import PURPOSES, settings_size
+from irt_usd.stage.settings import settings_purposes, settings_size
 from irt_usd.stage.snapshot import (
     CameraState,
     LightState,
@@ -51,14 +52,16 @@ class ReadOptions:
     """What of the stage is read, and how it is seen.
 
     `camera`: a path or a bare name; None: the render settings' or the only one. `purposes`: which
-    of UsdGeom's are rendered. `camera_light`: whether a stage without a light that irt renders
-    gets one at the camera. `size`: width and height in pixels.
+    of UsdGeom's are rendered; None: the render settings', or default and render. `camera_light`:
+    whether a stage without a light that irt renders gets one at the camera. `size`: width and
+    height in pixels. `missing_asset`: what becomes of a shot whose files are not all there.
     """
 
     camera: str | None = None
-    purposes: tuple[str, ...] = PURPOSES
+    purposes: tuple[str, ...] | None = None
     camera_light: bool = True
     size: tuple[int, int] | None = None
+    missing_asset: MissingAsset = "fail"
 
 
 class _Placed(Protocol[_State]):
@@ -100,9 +103,10 @@ class ShotReader:
         self._stage = stage
         self._file = str(layer.realPath or layer.identifier)
         self._report = report
+        self._missing_asset = options.missing_asset
         if not frames:
             raise InputError(f"{self._file}: no frames to read; give a range that holds some")
-        with usd_diagnostics(report, stage, self._file):
+        with self._diagnostics():
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
@@ -116,7 +120,9 @@ class ShotReader:
             self._camera = CameraSource(camera, self._file, self._report)
             self._camera.report_unsupported(self._report, Usd.TimeCode(frames[0]))
             self.size = self._find_size(options, Usd.TimeCode(frames[0]))
-        found = survey(self._stage, options.purposes, self._report)
+        self.purposes = options.purposes or settings_purposes(self._stage)
+        """Those of UsdGeom's that are rendered."""
+        found = survey(self._stage, self.purposes, self._report)
         self._hierarchy = found.hierarchy
         lights = [
             attempt(partial(LightSource, n.prim, n, self._report), n.prim, self._report)
@@ -143,10 +149,7 @@ class ShotReader:
         What is wrong with single prims goes to the report. Raises InputError on a camera that
         shows nothing, and on files that USD can no longer read.
         """
-        with (
-            self._report.at_frame(time),
-            usd_diagnostics(self._report, self._stage, self._file),
-        ):
+        with self._report.at_frame(time), self._diagnostics():
             code = Usd.TimeCode(time)
             self._hierarchy.update(code)
             self._snapshot = self._next(code, self._snapshot)
@@ -154,8 +157,11 @@ class ShotReader:
 
     def camera_position(self, time: Usd.TimeCode) -> Vector:
         """Where the camera is at `time`, in world space, finite or not."""
-        with usd_diagnostics(self._report, self._stage, self._file):
+        with self._diagnostics():
             return self._camera.position(time)
+
+    def _diagnostics(self) -> AbstractContextManager[None]:
+        return usd_diagnostics(self._report, self._stage, self._file, self._missing_asset)
 
     def _next(self, time: Usd.TimeCode, old: Snapshot | None) -> Snapshot:
         with self._camera_errors():

@@ -3,8 +3,7 @@
 
 from typing import cast
 
-import numpy as np
-from pxr import Usd, UsdRender
+from pxr import Usd, UsdRender, Vt
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes
@@ -12,7 +11,7 @@ from irt_usd.stage.attributes import Attributes
 PURPOSES = ("default", "render")
 """UsdGeom's purposes that are rendered, as UsdRenderSettings has it by default."""
 
-_NAMES = ("resolution", "pixelAspectRatio", "dataWindowNDC", "includedPurposes")
+_NAMES = ("resolution", "pixelAspectRatio", "dataWindowNDC")
 
 
 def settings_camera(stage: Usd.Stage) -> str | None:
@@ -20,6 +19,13 @@ def settings_camera(stage: Usd.Stage) -> str | None:
     settings = UsdRender.Settings.GetStageRenderSettings(stage)
     targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
     return str(targets[0]) if targets else None
+
+
+def settings_purposes(stage: Usd.Stage) -> tuple[str, ...]:
+    """The purposes that the stage's render settings include; default and render without any."""
+    settings = UsdRender.Settings.GetStageRenderSettings(stage)
+    included = settings.GetIncludedPurposesAttr().Get() if settings else None
+    return tuple(included) if isinstance(included, Vt.TokenArray) else PURPOSES
 
 
 def settings_size(stage: Usd.Stage, report: Report) -> tuple[int, int] | None:
@@ -42,9 +48,6 @@ def settings_size(stage: Usd.Stage, report: Report) -> tuple[int, int] | None:
         report.unsupported("pixels that are not square", path)
     if values["dataWindowNDC"] != (0, 0, 1, 1):
         report.unsupported("render settings' dataWindowNDC (the whole frame rendered)", path)
-    if set(map(str, np.ravel(values["includedPurposes"]))) != set(PURPOSES):  # type: ignore[arg-type]
-        kind = f"render settings' includedPurposes ({' and '.join(PURPOSES)} rendered)"
-        report.unsupported(kind, path)
     if not settings.GetResolutionAttr().HasAuthoredValue():
         return None
     return cast("tuple[int, int]", values["resolution"])

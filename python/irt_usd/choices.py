@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What options offer to choose from. No USD here, so that `irt --help` is quick."""
+
+from typing import Literal, get_args
+
+MissingAsset = Literal["fail", "fallback", "warn"]
+"""fail: refuse the shot. fallback: render without it, and say so once. warn: say so each time."""
+
+MISSING_ASSET: tuple[MissingAsset, ...] = get_args(MissingAsset)
+
+PURPOSES = ("default", "render", "proxy", "guide")
+"""UsdGeom's purposes."""
