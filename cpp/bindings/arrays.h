@@ -44,6 +44,7 @@ inline std::vector<std::int32_t> integers(const Array<std::int32_t>& a, const ch
     return {a.data(), a.data() + a.shape(0)};
 }
 
+void bind_materials(py::module_& module);
 void bind_records(py::module_& module);
 void bind_renderer(py::module_& module);
 void bind_bench(py::module_& module);

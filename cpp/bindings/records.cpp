@@ -128,30 +128,6 @@ void bind_geometry(py::module_& module) {
         .def(py::init(&make_prototype), py::arg("parts"));
 }
 
-Material make_material(const Triple& diffuse, const Triple& emissive, const Triple& specular,
-                       bool specular_workflow, float metallic, float roughness, float opacity,
-                       float opacity_threshold, float ior) {
-    return {vec3f(diffuse),    vec3f(emissive),   vec3f(specular),
-            specular_workflow, metallic,          roughness,
-            opacity,           opacity_threshold, ior};
-}
-
-void bind_material(py::module_& module) {
-    const Material d;
-    const auto triple = [](const V3f& v) {
-        return Triple{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-    };
-    py::class_<Material>(module, "Material")
-        .def(py::init(&make_material), py::kw_only(),
-             py::arg("diffuse_color") = triple(d.diffuse_color),
-             py::arg("emissive_color") = triple(d.emissive_color),
-             py::arg("specular_color") = triple(d.specular_color),
-             py::arg("use_specular_workflow") = d.use_specular_workflow,
-             py::arg("metallic") = d.metallic, py::arg("roughness") = d.roughness,
-             py::arg("opacity") = d.opacity, py::arg("opacity_threshold") = d.opacity_threshold,
-             py::arg("ior") = d.ior);
-}
-
 void bind_light_and_camera(py::module_& module) {
     py::class_<Light>(module, "Light")
         .def_static(
@@ -188,7 +164,6 @@ void bind_light_and_camera(py::module_& module) {
 
 void bind_records(py::module_& module) {
     bind_geometry(module);
-    bind_material(module);
     bind_light_and_camera(module);
     py::class_<ChangeSet>(module, "ChangeSet")
         .def(py::init<>())

@@ -45,10 +45,10 @@ void require_same(const film::Film& kept, const film::Film& recorded) {
 }  // namespace
 
 void View::validate(const Scene& scene, const trace::Intersector& intersector) const {
-    const shade::Shading shading(scene, settings_.shade);
+    const shade::Shading shading(scene, settings_.shade, cone_);
     const update::Plan nothing;
     film::Film recorded(film_);
-    const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade);
+    const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade, cone_);
     shade::Scratch scratch = whitted.make_scratch();
     for (int k = 0; k < cells::cell_count; ++k) {
         const std::string where = "cell " + std::to_string(k);

@@ -85,6 +85,22 @@ bool for_each_pixel(const ViewSettings& settings, cells::CellGroup group, cells:
     return true;
 }
 
+/// The cone of one sample: all of a pixel's together cover it. Where pixels are not square it has
+/// the pixel's area. In perspective its width at a distance is that of a pixel in the image's
+/// middle.
+shade::RayCone cone_of(const Camera& camera, const ViewSettings& settings) {
+    const auto& [left, right, bottom, top] = camera.window;
+    const auto length = [&](const V3d& v) {
+        const V3d world = transform_direction(camera.world_from_camera, v);
+        return std::sqrt(world.dot(world));
+    };
+    const double side =
+        std::sqrt(length({(right - left) / settings.width, 0, 0}) *
+                  length({0, (top - bottom) / settings.height, 0}) / settings.samples);
+    if (camera.orthographic) return {side, 0};
+    return {0, side / length({0, 0, -1})};
+}
+
 }  // namespace
 
 std::size_t HistorySize::all_bytes() const {
@@ -115,6 +131,7 @@ void View::set_camera(const Camera& camera) {
     render_from_camera_ = camera.world_from_camera;
     for (int a = 0; a < 3; ++a) render_from_camera_[3][a] -= render_origin_[a];
     camera_from_render_ = checked_inverse(render_from_camera_, "camera");
+    cone_ = cone_of(camera, settings_);
     eye_ = V3f(transform_point(render_from_camera_, V3d(0, 0, 0)));
     camera_ = camera;
 }
@@ -187,7 +204,7 @@ V3f View::recorded_color(const update::CellUpdate& cell, history::SampleIndex fi
 
 bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, int threads,
                      const cells::CellOrder& order, cells::Control& control, CellReports& reports) {
-    const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade);
+    const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade, cone_);
     control.steps = block_rows(settings_);
     std::mutex adding;
     cells::for_each_task(threads, block_rows(settings_), [&](int row) {
@@ -234,7 +251,7 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     std::optional<update::Reach> reach;
     if (foreseen) reach = update::make_reach(*foreseen, scene, grid());
 
-    const shade::Shading shading(scene, settings_.shade);
+    const shade::Shading shading(scene, settings_.shade, cone_);
     const update::Plan nothing;
     std::vector<bool> casts_shadows;
     for (const LightSlot& light : scene.lights())
@@ -300,7 +317,7 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
                   const update::Plan& plan, int threads, const cells::CellOrder& order,
                   bool cost_model, CellReports& reports) {
     if (!plan.regions.empty()) flag_paths(plan, threads);
-    const shade::Shading shading(scene, settings_.shade);
+    const shade::Shading shading(scene, settings_.shade, cone_);
     std::vector<update::CellUpdate> cells;
     cells.reserve(cells::cell_count);
     for (std::size_t k = 0; k < cells::cell_count; ++k) {
@@ -434,7 +451,7 @@ HistorySize View::history_size() const {
 shade::Counts View::record(const Scene& scene, const trace::Intersector& intersector,
                            shade::RayRecord& record) const {
     const shade::Recorder source(intersector, record);
-    const shade::Whitted<shade::Recorder> whitted(scene, source, settings_.shade);
+    const shade::Whitted<shade::Recorder> whitted(scene, source, settings_.shade, cone_);
     shade::Scratch scratch = whitted.make_scratch();
     const cells::CellOrder order = cells::natural_order();
     cells::Control unstoppable;
@@ -446,7 +463,7 @@ shade::Counts View::record(const Scene& scene, const trace::Intersector& interse
 film::PixelValue View::brute_force_pixel(const Scene& scene, int x, int y) const {
     const FloatState ieee;
     const trace::BruteForce source(scene);
-    const shade::Whitted<trace::BruteForce> whitted(scene, source, settings_.shade);
+    const shade::Whitted<trace::BruteForce> whitted(scene, source, settings_.shade, cone_);
     shade::Scratch scratch = whitted.make_scratch();
     return traced_pixel(whitted, x, y, scratch);
 }

@@ -127,6 +127,7 @@ class View {
     V3d render_origin_;
     M44d render_from_camera_, camera_from_render_;
     V3f eye_{0, 0, 0};                 ///< render space
+    shade::RayCone cone_;              ///< of a sample
     std::vector<V2d> sample_offsets_;  ///< within the pixel, [0, 1)
     film::Film film_, back_;
     std::unique_ptr<History> history_;

@@ -61,8 +61,63 @@ class Prototype:
         self, parts: Sequence[tuple[str, Quadric | Mesh, NDArray[np.float64], str]]
     ) -> None: ...
 
+class Texture:
+    """An image, or the tiles of a UDIM, with its mip pyramid.
+
+    Each tile: (u, v, texels), texels (h, w) or (h, w, c), c 1 to 4, uint8, uint16 (both standing for
+    [0, 1]), float16 or float32, the first row the top one; st (0, 0) is the bottom left corner. One
+    channel gives (r, r, r, 1), two (r, r, r, g), three (r, g, b, 1). Arrays in C order are shared,
+    not copied: they must not be written to any more. Tiles that are no UDIM's are one, at (0, 0).
+
+    `transfer` is that of the colour channels; `matrix` takes linear RGB, as a column, to the
+    rendering space, after filtering.
+    """
+
+    def __init__(
+        self,
+        tiles: Sequence[tuple[int, int, NDArray[Any]]],
+        *,
+        transfer: Literal["linear", "srgb"] = "linear",
+        matrix: NDArray[np.float64] | None = None,
+        udim: bool = False,
+    ) -> None: ...
+    def without_finest(self, count: int) -> Texture:
+        """Without its `count` finest levels, or with its coarsest alone. Levels are shared."""
+    @property
+    def level_bytes(self) -> list[int]:
+        """Bytes of each level, all tiles together, the finest first."""
+
+WrapMode = Literal["black", "clamp", "repeat", "mirror"]
+SHADE_OPS: list[str]
+"""The operations of ShadeNode; docs/shading.md says what they compute."""
+
+class ShadeNode:
+    """A node of a material's graph. Values have four components.
+
+    `inputs` are earlier nodes' indices, -1 where a slot is not connected: it is then what
+    `constants` has there, a number for all components or up to four numbers, the missing ones 0
+    and the fourth 1; slots that are neither are 0. `swizzle` (of op "swizzle") is four of r, g, b,
+    a, 0, 1.
+    """
+
+    def __init__(
+        self,
+        op: str,
+        inputs: Sequence[int] = (),
+        constants: Sequence[float | Sequence[float]] = (),
+        *,
+        primvar: str = "",
+        texture: Texture | None = None,
+        wrap: tuple[WrapMode, WrapMode] = ("repeat", "repeat"),
+        swizzle: str = "rgba",
+    ) -> None: ...
+
 class Material:
-    """UsdPreviewSurface's constants, with its defaults; colours are scene-linear RGB."""
+    """UsdPreviewSurface's inputs, with its defaults; colours are scene-linear RGB.
+
+    `connected` gives the inputs of those names (all but `use_specular_workflow`) a node of `nodes`
+    and its channel: "rgb", or one of "r", "g", "b", "a". `normal` is in tangent space.
+    """
 
     def __init__(
         self,
@@ -73,9 +128,14 @@ class Material:
         use_specular_workflow: bool = False,
         metallic: float = 0.0,
         roughness: float = 0.5,
+        clearcoat: float = 0.0,
+        clearcoat_roughness: float = 0.01,
         opacity: float = 1.0,
         opacity_threshold: float = 0.0,
         ior: float = 1.5,
+        normal: Vec3 = ...,
+        nodes: Sequence[ShadeNode] = (),
+        connected: Mapping[str, tuple[int, str]] = ...,
     ) -> None: ...
 
 class Light:

@@ -33,13 +33,15 @@ bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
     for (std::uint32_t part = 0; part < parts; ++part) {
         const Surface& surface = object.part(part);
-        trace::Occlusion sum;
-        trace::add_occluder(scene, slot, part, sum);
-        if (sum.blocker == trace::none) continue;
         const std::size_t primitives = surface.triangles ? surface.triangles->triangles.size() : 1;
         for (std::uint32_t k = 0; k < primitives; ++k) {
             trace::Hit hit;
-            if (trace::judge_primitive(surface, k, local, hit)) return true;
+            hit.object = slot;
+            hit.part = part;
+            if (!trace::judge_primitive(surface, k, local, hit)) continue;
+            trace::Occlusion sum;
+            trace::add_occluder(scene, hit, sum);
+            if (sum.blocker != trace::none) return true;
         }
     }
     return false;
@@ -66,7 +68,7 @@ class Checker {
             if (trees_.roots[sample] & settled_bit)
                 settled(trees_.roots[sample] & ~settled_bit);
             else
-                branch(trees_.roots[sample], root_bit | sample, 0, 0);
+                branch(trees_.roots[sample], root_bit | sample, 0, 0, 0);
         require(std::count(settled_used_.begin(), settled_used_.end(), false) == 0,
                 "every settled intensity belongs to a sample");
         free_list("node", trees_.free_nodes, node_used_);
@@ -126,7 +128,7 @@ class Checker {
     }
 
     /// A node reached from `parent`, and all below it.
-    void branch(NodeIndex index, NodeIndex parent, int depth, std::int64_t cost) {
+    void branch(NodeIndex index, NodeIndex parent, int depth, std::int64_t cost, double travelled) {
         require(index < trees_.nodes.size(), index, "links lead to nodes");
         require(!node_used_[index], index, "a node is reached once");
         node_used_[index] = true;
@@ -145,14 +147,16 @@ class Checker {
         require(kept.node == index, index, "the point's node is the one that has it");
         require(seen.piece == kept.piece, index, "the kept piece is that of the visible hit");
         behind(index);
-        const shade::VisiblePoint point = shading_.visible_point(trees_.ray(index), seen);
+        const shade::VisiblePoint point =
+            shading_.visible_point(trees_.ray(index), seen, travelled);
         require(trees_.material_bits[node.point] == point.surface.material % 64, index,
                 "the material mask is that of the visible material");
         if (trees_.emits)
-            require(same_bits(trees_.columns[0][node.point].own, V3f(point.response.emission)),
+            require(same_bits(trees_.columns[0][node.point].own, V3f(point.response().emission)),
                     index, "the unscaled term is the emission");
         for (std::size_t l = 0; l < lights_.size(); ++l) response(index, point, l);
-        branches(index, point, depth, cost);
+        travelled += shade::Shading::length(trees_.ray(index), seen.t);
+        branches(index, point, depth, cost, travelled);
         cumulative(index);
     }
 
@@ -218,7 +222,8 @@ class Checker {
                 "the own intensity is the response to the light");
     }
 
-    void branches(NodeIndex index, const shade::VisiblePoint& point, int depth, std::int64_t cost) {
+    void branches(NodeIndex index, const shade::VisiblePoint& point, int depth, std::int64_t cost,
+                  double travelled) {
         const KeptPoint& kept = trees_.points[trees_.nodes[index].point];
         shade::Spawned rays;
         if (depth < shading_.max_depth()) rays = shading_.spawned(point);
@@ -241,7 +246,7 @@ class Checker {
             require(same_bits(spawned.origin, ray.origin) &&
                         same_bits(spawned.direction, ray.direction),
                     below, "a branch's ray is the one that its point spawns");
-            branch(below, index, depth + 1, cost + *price);
+            branch(below, index, depth + 1, cost + *price, travelled);
         }
         require(kept.own_cut == cut, index, "own_cut is the least price of the branches cut");
     }

@@ -7,5 +7,10 @@ namespace irt::libm {
 
 double log2(double x) { return std::log2(x); }
 double exp2(double x) { return std::exp2(x); }
+double pow(double x, double y) { return std::pow(x, y); }
+double exp(double x) { return std::exp(x); }
+double log(double x) { return std::log(x); }
+double sin(double x) { return std::sin(x); }
+double cos(double x) { return std::cos(x); }
 
 }  // namespace irt::libm

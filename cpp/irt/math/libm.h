@@ -8,5 +8,10 @@ namespace irt::libm {
 
 double log2(double x);
 double exp2(double x);
+double pow(double x, double y);
+double exp(double x);
+double log(double x);
+double sin(double x);
+double cos(double x);
 
 }  // namespace irt::libm

@@ -232,21 +232,13 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
     return out;
 }
 
-float effective_opacity(const Material& material) {
-    if (material.opacity_threshold > 0)
-        return material.opacity >= material.opacity_threshold ? 1.0f : 0.0f;
-    return std::clamp(material.opacity, 0.0f, 1.0f);
-}
-
-trace::OpticalDepth shadow_depth(const Material& material) {
-    const double through = 1.0 - static_cast<double>(effective_opacity(material));
+trace::OpticalDepth shadow_depth(const SurfaceValues& material) {
+    const double through = 1.0 - effective_opacity(material);
     trace::OpticalDepth depth;
     for (int c = 0; c < 3; ++c) {
         // A cut-out (threshold) is absent, not tinted.
         const double tint =
-            material.opacity_threshold > 0
-                ? 1.0
-                : std::clamp(static_cast<double>(material.diffuse_color[c]), 0.0, 1.0);
+            material.opacity_threshold > 0 ? 1.0 : std::clamp(material.diffuse_color[c], 0.0, 1.0);
         const double steps = std::round(-trace::depth_scale * libm::log2(through * tint));
         depth.rgb[c] =
             steps < trace::depth_opaque ? static_cast<std::uint32_t>(steps) : trace::depth_opaque;

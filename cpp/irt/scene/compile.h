@@ -34,9 +34,6 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
 
 /// Share of light a primitive of this material lets through to shadow rays: (1 - opacity) times
 /// diffuse colour, as optical depth (docs/shading.md).
-trace::OpticalDepth shadow_depth(const Material& material);
-
-/// Opacity after UsdPreviewSurface's opacityThreshold: with a threshold, 0 or 1.
-float effective_opacity(const Material& material);
+trace::OpticalDepth shadow_depth(const SurfaceValues& material);
 
 }  // namespace irt

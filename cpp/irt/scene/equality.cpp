@@ -58,16 +58,6 @@ bool same(const Geometry& a, const Geometry& b) {
         a);
 }
 
-bool same(const Material& a, const Material& b) {
-    return same_bits(a.diffuse_color, b.diffuse_color) &&
-           same_bits(a.emissive_color, b.emissive_color) &&
-           same_bits(a.specular_color, b.specular_color) &&
-           a.use_specular_workflow == b.use_specular_workflow &&
-           same_bits(a.metallic, b.metallic) && same_bits(a.roughness, b.roughness) &&
-           same_bits(a.opacity, b.opacity) && same_bits(a.opacity_threshold, b.opacity_threshold) &&
-           same_bits(a.ior, b.ior);
-}
-
 bool same(const Light& a, const Light& b) {
     return a.kind == b.kind && same_bits(a.direction, b.direction) &&
            same_bits(a.position, b.position) && same_bits(a.energy, b.energy) &&

@@ -11,6 +11,8 @@ bool same(const Primvars& a, const Primvars& b);
 bool same(const Mesh& a, const Mesh& b);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);
+/// Whether both stop the same share of a shadow ray everywhere; false where that is hard to tell.
+bool same_tint(const Material& a, const Material& b);
 bool same(const Light& a, const Light& b);
 /// Whether the two cast the same rays: alike in all but energy.
 bool same_rays(const Light& a, const Light& b);

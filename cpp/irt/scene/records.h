@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "irt/math/vec.h"
+#include "irt/scene/material.h"
 
 namespace irt {
 
@@ -77,19 +78,6 @@ struct Object {
     M44d world_from_object;
     std::string material;    ///< unused for an instance: its parts name their own
     Primvars primvars = {};  ///< constant ones, read where the geometry has none of the name
-};
-
-/// UsdPreviewSurface's constants, its defaults (scene-linear RGB).
-struct Material {
-    V3f diffuse_color{0.18f, 0.18f, 0.18f};
-    V3f emissive_color{0, 0, 0};
-    V3f specular_color{0, 0, 0};
-    bool use_specular_workflow = false;
-    float metallic = 0;
-    float roughness = 0.5f;
-    float opacity = 1;
-    float opacity_threshold = 0;
-    float ior = 1.5f;
 };
 
 /// A delta light. `energy` is irradiance at normal incidence for a distant light and radiant

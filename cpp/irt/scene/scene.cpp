@@ -90,6 +90,7 @@ Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
         const auto next = static_cast<std::uint32_t>(prepared.material_slots.size());
         const auto found = prepared.material_slots.find(name);
         if (record) {
+            check(*record, name);
             prepared.material_slots.try_emplace(name, next);
             prepared.materials.insert(name);
         } else if (found != prepared.material_slots.end()) {
@@ -136,9 +137,9 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
     Prepared prepared = prepare(changes);
     AppliedChanges applied;
 
-    std::vector<trace::OpticalDepth> depths_before;  // of what is rebound
+    std::vector<Material> materials_before;  // of what is rebound
     for (const auto& [index, material] : prepared.rebound)
-        depths_before.push_back(materials_[objects_[index].surface.material].shadow_depth);
+        materials_before.push_back(materials_[objects_[index].surface.material].record);
 
     material_slots_ = std::move(prepared.material_slots);
     materials_.resize(material_slots_.size());
@@ -151,10 +152,11 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
             continue;
         }
         if (slot.live && same(slot.record, *record)) continue;
-        const trace::OpticalDepth depth = shadow_depth(*record);
         // What shows a material that is new is itself new or bound to it now.
-        if (slot.live && !(slot.shadow_depth == depth)) applied.tints.push_back(found->second);
-        slot = {true, name, *record, depth};
+        if (slot.live && !same_tint(slot.record, *record)) applied.tints.push_back(found->second);
+        slot = {true, name, *record, tint_varies(*record), {}, shadow_depth(*record)};
+        if (slot.tint_varies)
+            slot.tint_nodes = nodes_behind(*record, {tint_inputs.begin(), tint_inputs.end()});
         applied.materials.push_back(found->second);
     }
 
@@ -184,7 +186,7 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
         applied.unbound.push_back(object.surface.material);
         object.surface.material = material_slots_.at(material);
         applied.rebound.push_back(index);
-        if (!(materials_[object.surface.material].shadow_depth == depths_before[i]))
+        if (!same_tint(materials_[object.surface.material].record, materials_before[i]))
             applied.retinted.push_back(index);
     }
     if (!prepared.objects.empty()) rank_objects();

@@ -62,7 +62,9 @@ struct MaterialSlot {
     bool live = false;
     std::string name;
     Material record;
-    trace::OpticalDepth shadow_depth;  ///< tint of a shadow ray crossing one primitive of it
+    bool tint_varies = false;  ///< from point to point, by `tint_nodes` of its graph
+    std::vector<std::int32_t> tint_nodes;
+    trace::OpticalDepth shadow_depth;  ///< else: tint of a shadow ray crossing one primitive of it
 };
 
 struct LightSlot {

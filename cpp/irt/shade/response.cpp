@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "irt/scene/compile.h"
-
 namespace irt::shade {
 
 namespace {
@@ -28,36 +26,61 @@ V3d refracted(const V3d& direction, const V3d& normal, double eta) {
     return direction * eta + normal * (eta * cosine - std::sqrt(squared));
 }
 
+/// Schlick's (1 - c)^5.
+double schlick(double c) {
+    const double m = std::clamp(1 - c, 0.0, 1.0);
+    const double m2 = m * m;
+    return m2 * m2 * m;
+}
+
+/// What the clear coat reflects.
+double coat_fresnel(const Response& response, double c) {
+    return response.coat * (response.coat_f0 + (1 - response.coat_f0) * schlick(c));
+}
+
+/// GGX distribution times Smith's height-correlated masking over 4 (n.l) (n.e).
+double ggx(double alpha, double nh, double nl, double ne) {
+    const double a2 = alpha * alpha;
+    const double d = nh * nh * (a2 - 1) + 1;
+    const double distribution = a2 / (std::numbers::pi * d * d);
+    const double visibility =
+        0.5 / (nl * std::sqrt(ne * ne * (1 - a2) + a2) + ne * std::sqrt(nl * nl * (1 - a2) + a2));
+    return distribution * visibility;
+}
+
 }  // namespace
 
-Response make_response(const Material& material, double mirror_roughness) {
+Response make_response(const SurfaceValues& material, double mirror_roughness) {
     Response r;
-    const V3d color(material.diffuse_color);
-    r.opacity = static_cast<double>(effective_opacity(material));
+    const V3d& color = material.diffuse_color;
+    const auto alpha = [](double roughness) { return std::max(roughness * roughness, min_alpha); };
+    r.base_color = color;
+    r.opacity = effective_opacity(material);
     r.invisible = material.opacity_threshold > 0 && r.opacity == 0;
-    r.ior = static_cast<double>(material.ior);
-    r.emission = r.invisible ? V3d(0, 0, 0) : V3d(material.emissive_color);
-    const auto roughness = static_cast<double>(material.roughness);
-    r.alpha = std::max(roughness * roughness, min_alpha);
-    r.mirror = roughness <= mirror_roughness;
+    r.ior = material.ior;
+    r.emission = r.invisible ? V3d(0, 0, 0) : material.emissive_color;
+    r.alpha = alpha(material.roughness);
+    r.mirror = material.roughness <= mirror_roughness;
+    const double s = (1 - r.ior) / (1 + r.ior);
     if (material.use_specular_workflow) {
-        r.f0 = V3d(material.specular_color);
+        r.f0 = material.specular_color;
         r.f90 = one;
         r.diffuse = color * r.opacity;
     } else {
-        const auto metallic = static_cast<double>(material.metallic);
-        const double s = (1 - r.ior) / (1 + r.ior);
+        const double metallic = material.metallic;
         r.f90 = mix(one, color, metallic);
         r.f0 = mix(r.f90 * (s * s), r.f90, metallic);
         r.diffuse = color * (r.opacity * (1 - metallic));
     }
+    r.coat = material.clearcoat;
+    r.coat_f0 = s * s;
+    r.coat_alpha = alpha(material.clearcoat_roughness);
+    r.coat_mirror = r.coat > 0 && material.clearcoat_roughness <= mirror_roughness;
     return r;
 }
 
 V3d fresnel(const Response& response, double c) {
-    const double m = std::clamp(1 - c, 0.0, 1.0);
-    const double m2 = m * m;
-    return mix(response.f0, response.f90, m2 * m2 * m);
+    return mix(response.f0, response.f90, schlick(c));
 }
 
 V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_light,
@@ -66,15 +89,13 @@ V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_l
     if (!(nl > 0 && ne > 0)) return {0, 0, 0};
     const V3d half = normalized(to_light + to_eye);
     const double nh = std::min(normal.dot(half), 1.0);
-    const double a2 = response.alpha * response.alpha;
-    // GGX distribution, and Smith's height-correlated masking over 4 (n.l) (n.e).
-    const double d = nh * nh * (a2 - 1) + 1;
-    const double distribution = a2 / (std::numbers::pi * d * d);
-    const double visibility =
-        0.5 / (nl * std::sqrt(ne * ne * (1 - a2) + a2) + ne * std::sqrt(nl * nl * (1 - a2) + a2));
-    const V3d f = fresnel(response, std::max(to_eye.dot(half), 0.0));
+    const double c = std::max(to_eye.dot(half), 0.0);
+    const V3d f = fresnel(response, c);
     const V3d lambert = response.diffuse * (one - f) * std::numbers::inv_pi;
-    return (lambert + f * (distribution * visibility)) * nl;
+    V3d share = lambert + f * ggx(response.alpha, nh, nl, ne);
+    if (response.coat > 0)
+        share += V3d(coat_fresnel(response, c) * ggx(response.coat_alpha, nh, nl, ne));
+    return share * nl;
 }
 
 Spawned spawn(const Response& response, const V3d& direction, const V3d& shading,
@@ -86,7 +107,7 @@ Spawned spawn(const Response& response, const V3d& direction, const V3d& shading
         return out;
     }
     const double through = 1 - response.opacity;
-    if (!response.mirror && !(through > 0)) return out;
+    if (!response.mirror && !response.coat_mirror && !(through > 0)) return out;
     const double cosine = std::max(-direction.dot(shading), 0.0);
     V3d f = fresnel(response, cosine);
     bool total = false;
@@ -106,8 +127,10 @@ Spawned spawn(const Response& response, const V3d& direction, const V3d& shading
             out.refract_direction = normalized(bent);
         }
     }
-    if (response.mirror || total) {
-        out.reflect_weight = response.mirror ? f : one * through;
+    if (response.mirror || response.coat_mirror || total) {
+        out.reflect_weight = response.mirror ? f : (total ? one * through : V3d(0, 0, 0));
+        if (response.coat_mirror && !total)
+            out.reflect_weight += V3d(coat_fresnel(response, cosine));
         V3d back = mirrored(direction, shading);
         if (back.dot(geometric) <= 0) back = mirrored(direction, geometric);
         out.reflect_direction = normalized(back);

@@ -8,23 +8,28 @@
 
 namespace irt::shade {
 
-/// A material's constants as the formulas want them. Pure function of the record.
+/// A material's values as the formulas want them. Pure function of those.
 struct Response {
-    V3d diffuse;  ///< Lambert reflectance, times opacity
-    V3d f0, f90;  ///< Schlick's Fresnel at normal and at grazing incidence
+    V3d base_color;  ///< diffuseColor
+    V3d diffuse;     ///< Lambert reflectance, times opacity
+    V3d f0, f90;     ///< Schlick's Fresnel at normal and at grazing incidence
     V3d emission;
-    double alpha = 0;  ///< GGX roughness: roughness squared, at least min_alpha
+    double alpha = 0;    ///< GGX roughness: roughness squared, at least min_alpha
+    double coat = 0;     ///< share of the clear coat, a white lobe over the others
+    double coat_f0 = 0;  ///< its Fresnel at normal incidence; at grazing incidence it is 1
+    double coat_alpha = 0;
     double opacity = 1;
     double ior = 1;
-    bool mirror = false;     ///< spawns a mirror ray
-    bool invisible = false;  ///< cut out by opacityThreshold: rays pass as if it were not there
+    bool mirror = false;       ///< spawns a mirror ray
+    bool coat_mirror = false;  ///< its clear coat does
+    bool invisible = false;    ///< cut out by opacityThreshold: rays pass as if it were not there
 };
 
 /// Below this GGX's peak leaves the range where 32-bit films resolve it; UsdPreviewSurface's own
 /// implementation clamps roughness to 0.001, this is that of roughness 0.01.
 inline constexpr double min_alpha = 1e-4;
 
-Response make_response(const Material& material, double mirror_roughness);
+Response make_response(const SurfaceValues& material, double mirror_roughness);
 
 /// Schlick's Fresnel reflectance for the cosine `c` between half vector and view.
 V3d fresnel(const Response& response, double c);

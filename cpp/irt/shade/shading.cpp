@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "irt/math/libm.h"
+#include "irt/shade/footprint.h"
+#include "irt/shade/normal_map.h"
 #include "irt/trace/ray_origin.h"
 
 namespace irt::shade {
@@ -21,46 +23,67 @@ trace::Ray ray_towards(const VisiblePoint& point, const LightSlot& light, const 
 
 }  // namespace
 
-Shading::Shading(const Scene& scene, const Settings& settings)
+Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& cone)
     : scene_(scene),
       max_depth_(settings.max_depth),
+      mirror_roughness_(settings.mirror_roughness),
+      cone_(cone),
       cost_limit_(static_cast<std::int64_t>(
           std::floor(-price_scale * libm::log2(settings.throughput_cutoff)))) {
     responses_.reserve(scene.materials().size());
     for (const MaterialSlot& material : scene.materials()) {
         responses_.push_back(make_response(material.record, settings.mirror_roughness));
-        emits_ = emits_ || responses_.back().emission != V3d(0, 0, 0);
+        varies_.push_back(!is_uniform(material.record));
+        any_varies_ = any_varies_ || varies_.back();
+        emits_ = emits_ || responses_.back().emission != V3d(0, 0, 0) ||
+                 material.record.connection(SurfaceInput::EmissiveColor);
     }
 }
 
-VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit) const {
+VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit,
+                                    double travelled) const {
     const Surface& surface = scene_.objects()[hit.object].part(hit.part);
     VisiblePoint point{surface_point(scene_, ray, hit),
-                       responses_[surface.material],
+                       &responses_[surface.material],
+                       std::nullopt,
                        normalized(V3d(ray.direction)),
                        {},
                        {}};
+    if (varies_[surface.material]) shade_locally(ray, hit, travelled, point);
     const double side = point.surface.front ? 1 : -1;
     point.shading = point.surface.shading_normal * side;
     point.geometric = point.surface.geometric_normal * side;
     return point;
 }
 
+/// Evaluates the material's graph at `point`; its shading normal is the outward one still.
+void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double travelled,
+                            VisiblePoint& point) const {
+    const ObjectSlot& object = scene_.objects()[hit.object];
+    graph::Site site{object, object.part(hit.part), hit};
+    const double width = cone_.width + cone_.spread * (travelled + length(ray, hit.t));
+    set_footprint(point.direction, point.surface.geometric_normal, width, site);
+    const Material& material = scene_.materials()[point.surface.material].record;
+    const SurfaceValues values = graph::evaluate(material, site);
+    point.local = make_response(values, mirror_roughness_);
+    if (values.normal != V3d(0, 0, 1))
+        point.surface.shading_normal = mapped_normal(material, site, point.surface, values.normal);
+}
+
 FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) const {
-    return {true, point.surface.position, V3f(point.shading),
-            scene_.materials()[point.surface.material].record.diffuse_color,
+    return {true, point.surface.position, V3f(point.shading), V3f(point.response().base_color),
             scene_.objects()[object].id};
 }
 
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
                                                  const LightSlot& light) const {
-    if (point.response.invisible) return std::nullopt;
+    if (point.response().invisible) return std::nullopt;
     const V3d to_light = towards(point.surface.position, light);
     const double squared = to_light.dot(to_light);
     if (!(squared > 0)) return std::nullopt;
     const V3d unit = divided(to_light, std::sqrt(squared));
     if (!(point.geometric.dot(unit) > 0)) return std::nullopt;
-    V3d response = reflected_share(point.response, point.shading, unit, -point.direction);
+    V3d response = reflected_share(point.response(), point.shading, unit, -point.direction);
     if (light.record.kind == LightKind::Point) response = divided(response, squared);
     if (V3f(response) == V3f(0, 0, 0)) return std::nullopt;
     if (!light.record.casts_shadows) return LightSample{response, std::nullopt};
@@ -73,7 +96,7 @@ trace::Ray Shading::shadow_ray(const VisiblePoint& point, const LightSlot& light
 }
 
 Spawned Shading::spawned(const VisiblePoint& point) const {
-    return spawn(point.response, point.direction, point.shading, point.geometric,
+    return spawn(point.response(), point.direction, point.shading, point.geometric,
                  point.surface.front);
 }
 

@@ -4,6 +4,7 @@
 // kept of a ray tree and whatever is recomputed agree to the bit.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,9 +20,19 @@ namespace irt::shade {
 /// The first surface along a ray, ready to shade.
 struct VisiblePoint {
     trace::SurfacePoint surface;
-    const Response& response;
-    V3d direction;           ///< unit, of the ray that sees it
-    V3d shading, geometric;  ///< unit normals on the side the ray came from
+    const Response* uniform;        ///< the material's, where it is the same everywhere
+    std::optional<Response> local;  ///< else
+    V3d direction;                  ///< unit, of the ray that sees it
+    V3d shading, geometric;         ///< unit normals on the side the ray came from
+
+    [[nodiscard]] const Response& response() const { return local ? *local : *uniform; }
+};
+
+/// The cone of a sample's ray: where it has come `distance`, it is `width` + `spread` * distance
+/// wide. Mirrors and refraction leave the spread as it is.
+struct RayCone {
+    double width = 0;   ///< render-space units
+    double spread = 0;  ///< per unit of distance
 };
 
 /// The first visible surface of a sample, for AOVs and coverage.
@@ -42,18 +53,30 @@ struct LightSample {
 
 class Shading {
   public:
-    Shading(const Scene& scene, const Settings& settings);
+    Shading(const Scene& scene, const Settings& settings, const RayCone& cone);
 
     [[nodiscard]] const Scene& scene() const { return scene_; }
     /// Whether some material emits light.
     [[nodiscard]] bool emits() const { return emits_; }
     [[nodiscard]] int max_depth() const { return max_depth_; }
 
-    /// Of a material, by slot.
+    /// Of a uniform material, by slot.
     [[nodiscard]] const Response& response(std::uint32_t material) const {
         return responses_[material];
     }
-    [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit) const;
+    /// Whether a material, by slot, is evaluated at every point; then visible_point needs to know
+    /// how far the ray has come.
+    [[nodiscard]] bool varies(std::uint32_t material) const { return varies_[material]; }
+    /// Whether some material does.
+    [[nodiscard]] bool any_varies() const { return any_varies_; }
+    /// The length of `ray` from its origin to `t`.
+    [[nodiscard]] static double length(const trace::Ray& ray, double t) {
+        const V3d d(ray.direction);
+        return t * std::sqrt(d.dot(d));
+    }
+    /// `travelled`: lengths of the rays that led to this one, summed in their order.
+    [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit,
+                                             double travelled) const;
     [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, std::uint32_t object) const;
     /// Empty where the light adds nothing whatever is in between.
     [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
@@ -73,11 +96,17 @@ class Shading {
     [[nodiscard]] bool affordable(std::int64_t cost) const { return cost <= cost_limit_; }
 
   private:
+    void shade_locally(const trace::Ray& ray, const trace::Hit& hit, double travelled,
+                       VisiblePoint& point) const;
+
     const Scene& scene_;
     int max_depth_;
-    bool emits_ = false;
+    double mirror_roughness_;
+    RayCone cone_;
+    bool emits_ = false, any_varies_ = false;
     std::int64_t cost_limit_;
     std::vector<Response> responses_;  ///< by material slot
+    std::vector<bool> varies_;         ///< by material slot
 };
 
 /// Share of light that passes along a shadow ray, by channel.

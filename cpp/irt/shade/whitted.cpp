@@ -32,7 +32,7 @@ V3f Whitted<Source>::sample(const trace::Ray& ray, Scratch& scratch) const {
     scratch.first = {};
     ++scratch.counts.primary;
     // The unscaled term, then the lights in path order: each energy times its response.
-    V3d sum(trace(ray, 0, 0, scratch));
+    V3d sum(trace(ray, 0, 0, 0, scratch));
     for (std::size_t l = 0; l < lights().size(); ++l)
         sum += V3d(lights()[l].record.energy) * V3d(scratch.columns[l]);
     return V3f(sum);
@@ -41,24 +41,25 @@ V3f Whitted<Source>::sample(const trace::Ray& ray, Scratch& scratch) const {
 /// Traces `ray` and everything it spawns. Returns the unscaled term; the lights' columns are left
 /// in this depth's level of the scratch.
 template <class Source>
-V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost,
+V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost, double travelled,
                            Scratch& scratch) const {
     V3f* columns = level(scratch, depth);
     std::fill(columns, columns + lights().size(), V3f(0, 0, 0));
     const trace::Hit hit = source_.nearest(ray, scratch.counts.queries);
     if (!hit) return {0, 0, 0};
 
-    const VisiblePoint point = shading_.visible_point(ray, hit);
-    if (!scratch.first.hit && !point.response.invisible)
+    const VisiblePoint point = shading_.visible_point(ray, hit, travelled);
+    if (!scratch.first.hit && !point.response().invisible)
         scratch.first =
             scratch.surface_wanted ? shading_.first_hit(point, hit.object) : FirstHit{true};
     shade_lights(point, columns, scratch);
-    V3f unscaled(point.response.emission);
+    V3f unscaled(point.response().emission);
     if (depth == shading_.max_depth()) return unscaled;
     const Spawned rays = shading_.spawned(point);
-    branch(point, rays.reflect_direction, rays.reflect_weight, depth, cost, unscaled,
+    if (shading_.any_varies()) travelled += Shading::length(ray, hit.t);
+    branch(point, rays.reflect_direction, rays.reflect_weight, depth, cost, travelled, unscaled,
            scratch.counts.reflected, scratch);
-    branch(point, rays.refract_direction, rays.refract_weight, depth, cost, unscaled,
+    branch(point, rays.refract_direction, rays.refract_weight, depth, cost, travelled, unscaled,
            scratch.counts.refracted, scratch);
     return unscaled;
 }
@@ -67,14 +68,14 @@ V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost,
 /// the node's.
 template <class Source>
 void Whitted<Source>::branch(const VisiblePoint& point, const V3d& direction, const V3d& weight,
-                             int depth, std::int64_t cost, V3f& unscaled, std::uint64_t& kind,
-                             Scratch& scratch) const {
+                             int depth, std::int64_t cost, double travelled, V3f& unscaled,
+                             std::uint64_t& kind, Scratch& scratch) const {
     const V3f share(weight);
     const std::optional<std::int64_t> own = price(share);
     if (!own || !shading_.affordable(cost + *own)) return;
     ++kind;
     const V3f below =
-        trace(shading_.spawned_ray(point, direction), depth + 1, cost + *own, scratch);
+        trace(shading_.spawned_ray(point, direction), depth + 1, cost + *own, travelled, scratch);
     V3f *columns = level(scratch, depth), *columns_below = level(scratch, depth + 1);
     for (std::size_t l = 0; l < lights().size(); ++l)
         columns[l] = add_scaled(columns[l], share, columns_below[l]);

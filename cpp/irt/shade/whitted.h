@@ -34,18 +34,20 @@ struct Scratch {
 template <class Source>
 class Whitted {
   public:
-    Whitted(const Scene& scene, const Source& source, const Settings& settings)
-        : shading_(scene, settings), source_(source) {}
+    Whitted(const Scene& scene, const Source& source, const Settings& settings, const RayCone& cone)
+        : shading_(scene, settings, cone), source_(source) {}
 
     [[nodiscard]] Scratch make_scratch() const;
     /// The beauty of the sample whose primary ray is `ray`: scene-linear RGB.
     [[nodiscard]] V3f sample(const trace::Ray& ray, Scratch& scratch) const;
 
   private:
-    V3f trace(const trace::Ray& ray, int depth, std::int64_t cost, Scratch& scratch) const;
+    V3f trace(const trace::Ray& ray, int depth, std::int64_t cost, double travelled,
+              Scratch& scratch) const;
     void shade_lights(const VisiblePoint& point, V3f* columns, Scratch& scratch) const;
     void branch(const VisiblePoint& point, const V3d& direction, const V3d& weight, int depth,
-                std::int64_t cost, V3f& unscaled, std::uint64_t& kind, Scratch& scratch) const;
+                std::int64_t cost, double travelled, V3f& unscaled, std::uint64_t& kind,
+                Scratch& scratch) const;
     [[nodiscard]] V3f* level(Scratch& scratch, int depth) const {
         return scratch.columns.data() + static_cast<std::size_t>(depth) * lights().size();
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "irt/graph/evaluate.h"
 #include "irt/mutant.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/ray.h"
@@ -28,11 +29,15 @@ inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) 
     return true;
 }
 
-/// Adds one occluding primitive; saturation keeps the sum free of order. True once nothing passes.
-inline bool add_occluder(const Scene& scene, std::uint32_t object, std::uint32_t part,
-                         Occlusion& sum) {
-    const Surface& surface = scene.objects()[object].part(part);
-    const OpticalDepth& depth = scene.materials()[surface.material].shadow_depth;
+/// Adds one occluding primitive, met at `hit`; saturation keeps the sum free of order. True once
+/// nothing passes.
+inline bool add_occluder(const Scene& scene, const Hit& hit, Occlusion& sum) {
+    const ObjectSlot& object = scene.objects()[hit.object];
+    const Surface& surface = object.part(hit.part);
+    const MaterialSlot& material = scene.materials()[surface.material];
+    const OpticalDepth depth = material.tint_varies
+                                   ? graph::tint_at(material, {object, surface, hit})
+                                   : material.shadow_depth;
     bool opaque = true, black = true;
     for (int c = 0; c < 3; ++c) {
         opaque = opaque && depth.rgb[c] >= depth_opaque;
@@ -42,7 +47,7 @@ inline bool add_occluder(const Scene& scene, std::uint32_t object, std::uint32_t
             sum.depth.rgb[c] &= ~(std::bit_floor(sum.depth.rgb[c]) / 16 - 1);
         black = black && sum.depth.rgb[c] == depth_opaque;
     }
-    if (opaque) sum.blocker = object;
+    if (opaque) sum.blocker = hit.object;
     return black;
 }
 

@@ -114,7 +114,7 @@ void occlude_packet(const RTCOccludedFunctionNArguments* arguments) {
     if (!shape.active) return;
     Query& query = query_of(arguments->context);
     judge_leaf(shape, arguments->primID, query, [&](const Hit& hit) {
-        if (!add_occluder(*query.scene, hit.object, hit.part, *query.sum)) return false;
+        if (!add_occluder(*query.scene, hit, *query.sum)) return false;
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
         return true;
     });
@@ -144,8 +144,12 @@ void occlude_quadric(const RTCOccludedFunctionNArguments* arguments) {
     query.counts->candidates += 1;
     QuadricHit met;
     if (!judge_quadric(shape.quadric, shape.shape_from_trace, *query.ray, met)) return;
-    if (add_occluder(*query.scene, query.instance == none ? shape.object : query.instance,
-                     shape.part, *query.sum))
+    Hit hit;
+    hit.t = met.t;
+    hit.object = query.instance == none ? shape.object : query.instance;
+    hit.part = shape.part;
+    hit.piece = met.piece;
+    if (add_occluder(*query.scene, hit, *query.sum))
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 

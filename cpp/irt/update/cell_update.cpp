@@ -171,7 +171,9 @@ void CellUpdate::detect_materials() {
         if (!all) {
             const std::uint32_t object = trees_.nodes[node].visible.object;
             if (plan_.geometry_changed[object]) continue;  // its path is flagged, its point goes
-            if (!plan_.rebound[object] && !plan_.material_changed[material_of(node)]) continue;
+            if (!plan_.rebound[object] &&
+                !plan_.material_changed[material_of(trees_.nodes[node].visible)])
+                continue;
             ++counts_.flagged;
         }
         mark(node, mark_shade);
@@ -192,8 +194,7 @@ void CellUpdate::fetch_point(PointIndex point) const {
     }
 }
 
-std::uint32_t CellUpdate::material_of(NodeIndex index) const {
-    const trace::HitName& visible = trees_.nodes[index].visible;
+std::uint32_t CellUpdate::material_of(const trace::HitName& visible) const {
     return shading_.scene().objects()[visible.object].part(visible.part).material;
 }
 
@@ -392,7 +393,8 @@ void CellUpdate::trace_new(NodeIndex node, const trace::Ray& ray, int depth, std
     trees_.set_hit(node, hit);
     if (hit) {
         trees_.behind[trees_.nodes[node].point] = {trace::HitName(behind), intersector_.epoch()};
-        shade_point(node, shading_.visible_point(ray, hit), depth, cost);
+        const double before = travelled(node, trace::HitName(hit));
+        shade_point(node, shading_.visible_point(ray, hit, before), depth, cost);
         lists_.combined.push_back(node);
     }
     trees_.paths[node] = table_.intern(path);
@@ -405,7 +407,7 @@ void CellUpdate::shade_point(NodeIndex node, const ShadePoint& point, int depth,
     const PointIndex at = trees_.nodes[node].point;
     ++counts_.rays.shadings;
     trees_.material_bits[at] = point.surface.material % 64;
-    if (trees_.emits) trees_.columns[0][at].own = V3f(point.response.emission);
+    if (trees_.emits) trees_.columns[0][at].own = V3f(point.response().emission);
     for (std::size_t l = 0; l < lights_.size(); ++l) respond(point, at, l);
     trees_.points[at].own_cut = no_price;
     if (depth == shading_.max_depth()) return;
@@ -454,6 +456,13 @@ trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
     hit.part = name.part;
     hit.piece = trees_.points[node.point].piece;
     return hit;
+}
+
+/// The lengths of the rays that led to this node's, summed from the root on as shade::Whitted does.
+double CellUpdate::travelled(NodeIndex index) const {
+    const NodeIndex parent = trees_.nodes[index].parent;
+    if (parent & history::root_bit) return 0;
+    return travelled(parent) + shade::Shading::length(trees_.ray(parent), trees_.nodes[parent].t);
 }
 
 /// One branch of `node`: kept, walked, traced anew or cut, as its weight and direction now say.
@@ -599,10 +608,16 @@ V3f CellUpdate::radiance(history::SampleIndex sample) const {
 shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface) const {
     NodeIndex node = trees_.roots[sample];
     while (node != no_node && trees_.nodes[node].point != no_point) {
-        if (!shading_.response(material_of(node)).invisible)
-            return surface
-                       ? shading_.first_hit(shade_point_of(node), trees_.nodes[node].visible.object)
-                       : shade::FirstHit{true};
+        const trace::HitName& visible = trees_.nodes[node].visible;
+        const std::uint32_t material = material_of(visible);
+        const bool varies = shading_.varies(material);
+        if (surface || varies) {
+            const ShadePoint point = shade_point_of(node);
+            if (!point.response().invisible)
+                return surface ? shading_.first_hit(point, visible.object) : shade::FirstHit{true};
+        } else if (!shading_.response(material).invisible) {
+            return shade::FirstHit{true};
+        }
         node = trees_.points[trees_.nodes[node].point].branches[1];
     }
     return {};

@@ -110,10 +110,16 @@ class CellUpdate {
     void count_new(NodeIndex node);
     void count_query(NodeIndex node);
     [[nodiscard]] ShadePoint shade_point_of(NodeIndex node) const {
-        return shading_.visible_point(trees_.ray(node), kept_hit(node));
+        return shading_.visible_point(trees_.ray(node), kept_hit(node),
+                                      travelled(node, trees_.nodes[node].visible));
+    }
+    [[nodiscard]] double travelled(NodeIndex node) const;
+    /// As much as visible_point needs to know of it.
+    [[nodiscard]] double travelled(NodeIndex node, const trace::HitName& visible) const {
+        return shading_.varies(material_of(visible)) ? travelled(node) : 0;
     }
     [[nodiscard]] trace::Hit kept_hit(NodeIndex node) const;
-    [[nodiscard]] std::uint32_t material_of(NodeIndex node) const;
+    [[nodiscard]] std::uint32_t material_of(const trace::HitName& visible) const;
 
     const shade::Shading& shading_;
     const trace::Intersector& intersector_;

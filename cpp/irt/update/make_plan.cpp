@@ -33,10 +33,12 @@ std::vector<std::uint32_t> showing(const Scene& scene,
 /// force now; where one of those changed its tint the plan says so anyway.
 bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-    for (std::uint32_t part = 0; part < parts; ++part)
-        for (const std::uint32_t depth :
-             scene.materials()[object.part(part).material].shadow_depth.rgb)
+    for (std::uint32_t part = 0; part < parts; ++part) {
+        const MaterialSlot& material = scene.materials()[object.part(part).material];
+        if (material.tint_varies) return true;
+        for (const std::uint32_t depth : material.shadow_depth.rgb)
             if (depth < trace::depth_opaque) return true;
+    }
     return false;
 }
 

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irt/graph/evaluate.h"
+
+#include <limits>
+
+#include "irt/graph/operations.h"
+#include "irt/scene/compile.h"
+#include "irt/scene/primvar.h"
+#include "irt/texture/filter.h"
+
+namespace irt::graph {
+
+namespace {
+
+/// `v` within [low, high]; low where it is no number.
+double bounded(double v, double low, double high) {
+    if (!(v >= low)) return low;
+    return v > high ? high : v;
+}
+
+constexpr double unbounded = std::numeric_limits<double>::max();
+constexpr double least_ior = 1e-3;
+
+class Evaluator {
+  public:
+    // The values stay unset until their nodes are run: there is room for many.
+    Evaluator(const Material& material, const Site& site) : material_(material), site_(site) {}
+
+    void run(std::int32_t index) {
+        const ShadeNode& node = material_.nodes[static_cast<std::size_t>(index)];
+        std::array<Value, 4> slots;
+        for (std::size_t s = 0; s < slots.size(); ++s) slots[s] = slot(node, s);
+        values_[static_cast<std::size_t>(index)] = value(node, slots);
+    }
+
+    /// The component(s) that feed an input; or what stands there, unconnected.
+    void give(SurfaceInput input, V3d& to, double low) const {
+        const Connection& c = material_.connection(input);
+        if (!c) return;
+        const Value& from = values_[static_cast<std::size_t>(c.node)];
+        for (int i = 0; i < 3; ++i) {
+            const auto component =
+                c.channel == Connection::rgb ? static_cast<std::size_t>(i) : c.channel;
+            to[i] = bounded(from[component].v, low, unbounded);
+        }
+    }
+    void give(SurfaceInput input, double& to, double low, double high) const {
+        const Connection& c = material_.connection(input);
+        if (!c) return;
+        const std::size_t component = c.channel == Connection::rgb ? 0 : c.channel;
+        to = bounded(values_[static_cast<std::size_t>(c.node)][component].v, low, high);
+    }
+    void give_tint(SurfaceValues& out) const {
+        give(SurfaceInput::DiffuseColor, out.diffuse_color, 0);
+        give(SurfaceInput::Opacity, out.opacity, 0, 1);
+        give(SurfaceInput::OpacityThreshold, out.opacity_threshold, 0, 1);
+    }
+
+  private:
+    [[nodiscard]] Value slot(const ShadeNode& node, std::size_t s) const {
+        if (node.inputs[s] != ShadeNode::unconnected)
+            return values_[static_cast<std::size_t>(node.inputs[s])];
+        Value constant{};
+        for (std::size_t c = 0; c < 4; ++c)
+            constant[c] = {static_cast<double>(node.constants[s][c]), 0, 0};
+        return constant;
+    }
+
+    [[nodiscard]] Value value(const ShadeNode& node, const std::array<Value, 4>& slots) const {
+        if (node.op == Op::Primvar) return primvar_value(site_, node.primvar).value_or(slots[0]);
+        if (node.op != Op::Texture) return operate(node, slots);
+        const Value& st = slots[0];
+        const std::optional<texture::Texel> texel =
+            texture::look_up(*node.texture, node.wrap_s, node.wrap_t, {st[0].v, st[1].v},
+                             {st[0].x, st[1].x}, {st[0].y, st[1].y});
+        if (!texel) return slots[1];
+        // How a texture changes across the footprint is not followed.
+        return {
+            Dual{(*texel)[0], 0, 0}, {(*texel)[1], 0, 0}, {(*texel)[2], 0, 0}, {(*texel)[3], 0, 0}};
+    }
+
+    const Material& material_;
+    const Site& site_;
+    std::array<Value, max_shade_nodes> values_;  ///< of the nodes that were run
+};
+
+}  // namespace
+
+std::optional<Value> primvar_value(const Site& site, std::string_view name) {
+    Value out{};
+    out[3].v = 1;
+    if (const Triangles* const triangles = site.surface.triangles.get()) {
+        if (const Primvar* const primvar = find_primvar(triangles->mesh->primvars, name)) {
+            const auto [a, b, c] = corner_values(*triangles, *primvar, site.hit.primitive);
+            for (std::size_t i = 0; i < static_cast<std::size_t>(primvar->width); ++i) {
+                const double along_u = b[i] - a[i], along_v = c[i] - a[i];
+                out[i] = {a[i] + along_u * site.hit.u + along_v * site.hit.v,
+                          along_u * site.u_x + along_v * site.v_x,
+                          along_u * site.u_y + along_v * site.v_y};
+            }
+            return out;
+        }
+    }
+    const Primvar* const primvar = find_primvar(site.object.record.primvars, name);
+    if (!primvar) return std::nullopt;
+    const PrimvarValue value = constant_value(*primvar);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(primvar->width); ++i)
+        out[i] = {value[i], 0, 0};
+    return out;
+}
+
+SurfaceValues evaluate(const Material& material, const Site& site) {
+    SurfaceValues out(material);
+    Evaluator graph(material, site);
+    for (std::int32_t n = 0; n < static_cast<std::int32_t>(material.nodes.size()); ++n)
+        graph.run(n);
+    graph.give_tint(out);
+    graph.give(SurfaceInput::EmissiveColor, out.emissive_color, 0);
+    graph.give(SurfaceInput::SpecularColor, out.specular_color, 0);
+    graph.give(SurfaceInput::Metallic, out.metallic, 0, 1);
+    graph.give(SurfaceInput::Roughness, out.roughness, 0, 1);
+    graph.give(SurfaceInput::Clearcoat, out.clearcoat, 0, 1);
+    graph.give(SurfaceInput::ClearcoatRoughness, out.clearcoat_roughness, 0, 1);
+    graph.give(SurfaceInput::Ior, out.ior, least_ior, unbounded);
+    graph.give(SurfaceInput::Normal, out.normal, -unbounded);
+    return out;
+}
+
+trace::OpticalDepth tint_at(const MaterialSlot& material, const Site& site) {
+    SurfaceValues values(material.record);
+    Evaluator graph(material.record, site);
+    for (const std::int32_t n : material.tint_nodes) graph.run(n);
+    graph.give_tint(values);
+    return shadow_depth(values);
+}
+
+}  // namespace irt::graph

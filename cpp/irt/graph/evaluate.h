@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials at a point of a surface. Pure functions of records, hit and footprint.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "irt/graph/value.h"
+#include "irt/scene/scene.h"
+#include "irt/trace/ray.h"
+
+namespace irt::graph {
+
+/// Where on a surface, and how far the triangle's weights change along the axes of the ray's
+/// footprint; all 0: the footprint is a point.
+struct Site {
+    const ObjectSlot& object;
+    const Surface& surface;
+    const trace::Hit& hit;
+    double u_x = 0, v_x = 0, u_y = 0, v_y = 0;
+};
+
+/// A primvar's value: of the mesh, else a constant one of the object. Empty where there is none.
+[[nodiscard]] std::optional<Value> primvar_value(const Site& site, std::string_view name);
+
+/// All inputs of `material` at `site`, brought within the specification's ranges.
+[[nodiscard]] SurfaceValues evaluate(const Material& material, const Site& site);
+
+/// What a shadow ray loses at `site`, a material whose tint varies.
+[[nodiscard]] trace::OpticalDepth tint_at(const MaterialSlot& material, const Site& site);
+
+}  // namespace irt::graph
