@@ -104,18 +104,6 @@ def test_nothing_raw_on_stderr(usda: WriteLayer, capfd: pytest.CaptureFixture[st
     assert capfd.readouterr() == ("", "")
 
 
-def test_materialx_is_not_supported_but_not_fatal(
-    shot: MakeShot, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "look.mtlx").write_text("<materialx/>")
-    made = shot(
-        'def "Looks" (\n references = @look.mtlx@</MaterialX>\n)\n{\n}\ndef Sphere "S"\n{\n}'
-    )
-    assert list(made.read().objects) == ["/S"]
-    assert any("MaterialX" in text for text in made.notices("unsupported"))
-    assert capfd.readouterr() == ("", "")
-
-
 def test_usd_warnings_become_mentions(shot: MakeShot, capfd: pytest.CaptureFixture[str]) -> None:
     made = shot('def Sphere "S"\n{\n uniform token[] xformOpOrder = ["xformOp:nope"]\n}')
     assert "/S" in made.read().objects

@@ -11,6 +11,7 @@ from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdUtils
 
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
+from irt_usd.materialx.compose import open_with_materialx
 from irt_usd.report import Report
 from irt_usd.stage.diagnostics import (
     deal_with_lost_clips,
@@ -24,8 +25,6 @@ _EXTENSIONS = ".usd, .usda, .usdc or .usdz"
 
 _LOCATED = re.compile(r"(/[^\s:]+|\w:[^\s:]+):(\d+):(\d+): (.*)")
 """file:line:col: message, as USD's text parser says it."""
-
-_ASSET = re.compile(r"Could not open asset @([^@]+)@")
 
 _LOST_ARC = re.compile(
     r"Could not open asset @([^@]+)@ for (\w+) introduced by @([^@]+)@<([^>]+)>(.*)"
@@ -75,7 +74,7 @@ def open_stage(
     report = report or Report()
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
-        stage = _compose(path, options)
+        stage = open_with_materialx(lambda: _compose(path, options))
         said = diagnostics_of(delegate)
     finally:
         del delegate
@@ -167,8 +166,6 @@ def _deal_with_errors(path: str, stage: Usd.Stage, policy: MissingAsset, report:
     lost: dict[str, dict[str, None]] = {}
     errors = []
     for error in stage.GetCompositionErrors():
-        if materialx_file(error):
-            continue
         kind, text = _lost_asset(stage, error)
         if text is None:
             errors.append(error)
@@ -219,19 +216,6 @@ def _authored(layer: Sdf.Layer, asset: str, candidates: Sequence[str]) -> str | 
     for text in candidates:
         if asset in (text, layer.ComputeAbsolutePath(text)):
             return text
-    return None
-
-
-def materialx_file(error: Pcp.ErrorBase) -> str | None:
-    """The MaterialX file that `error` is about, there but unreadable without USD's plugin for it.
-
-    Such a file holds materials for other renderers alone, so that the stage renders without it.
-    """
-    if not isinstance(error, Pcp.ErrorInvalidAssetPath):
-        return None
-    named = _ASSET.search(str(error))
-    if named and named[1].endswith(".mtlx") and Path(named[1]).exists():
-        return named[1]
     return None
 
 

@@ -24,7 +24,6 @@ from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
 from irt_usd.stage.materials import MaterialSource, bound_materials, preview_surface
 from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
-from irt_usd.stage.open import materialx_file
 from irt_usd.stage.quadrics import QuadricSource
 from irt_usd.stage.settings import settings_purposes, settings_size
 from irt_usd.stage.snapshot import (
@@ -110,10 +109,6 @@ class ShotReader:
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
-        for error in self._stage.GetCompositionErrors():
-            file = materialx_file(error)
-            if file:
-                self._report.unsupported("MaterialX files", file)
         self.camera_path = choose_camera(self._stage, options.camera, self._file)
         camera = self._stage.GetPrimAtPath(self.camera_path)
         with self._camera_errors():
