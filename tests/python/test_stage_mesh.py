@@ -221,11 +221,3 @@ def test_core_record_is_shared_while_only_the_place_changes(shot: MakeShot) -> N
     assert first is not second
     assert isinstance(first.shape.geometry(), core.Mesh)
     assert first.shape.geometry() is second.shape.geometry()
-
-
-def test_skinned_mesh_is_reported(shot: MakeShot) -> None:
-    joints = "int[] primvars:skel:jointIndices = [0, 0, 0, 0, 0, 0]\n"
-    skinned = mesh(PLAIN + joints)
-    made = shot(f'def SkelRoot "R"\n{{\n{skinned}\n}}')
-    assert "/R/M" in made.read().objects
-    assert any("UsdSkel" in text for text in made.notices("unsupported"))

@@ -12,6 +12,7 @@ from pxr import Usd, UsdGeom
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.primvars import Interpolation, Primvars, PrimvarValue, primvar_attributes
+from irt_usd.stage.skel import Skin
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.topology import Topology, TopologyError, integers
 from irt_usd.stage.transforms import Node
@@ -76,8 +77,12 @@ class MeshShape(Shape):
 class MeshSource:
     """Reads one mesh, and of its primvars those that are `wanted` (without "primvars:")."""
 
-    def __init__(self, node: Node, report: Report, wanted: frozenset[str]) -> None:
+    def __init__(
+        self, node: Node, report: Report, wanted: frozenset[str], skin: Skin | None = None
+    ) -> None:
         self._report = report
+        self._skin = skin
+        self._skin_version = 0
         self._prim = prim = node.prim
         self._path = node.path
         self._attributes = Attributes(prim, _NAMES, report, node.in_clips)
@@ -93,11 +98,16 @@ class MeshSource:
     @property
     def varies(self) -> bool:
         """Whether the shape can differ between frames."""
-        return self._attributes.vary or self._primvars.vary
+        skinned = self._skin is not None and self._skin.varies and not self._skin.rigid
+        return self._attributes.vary or self._primvars.vary or skinned
 
     def read(self, time: Usd.TimeCode) -> Shape | None:
         """The shape at `time` (the same object while nothing changes); None: nothing to draw."""
         changed = self._attributes.update(time)
+        if self._skin is not None:
+            self._skin.update(time)
+            changed |= not self._skin.rigid and self._skin.version != self._skin_version
+            self._skin_version = self._skin.version
         if self._primvars.update(time) or changed or self._first:
             self._first = False
             self._shape = self._build(time)
@@ -110,6 +120,8 @@ class MeshSource:
             return None
         try:
             points = vectors("points", values["points"])
+            if self._skin is not None:
+                points = self._skin.points(points)
             topology = self._read_topology(len(points), points)
         except TopologyError as fault:
             self._report.skipped(fault.message, where(self._prim, fault.attribute, time))
@@ -174,6 +186,11 @@ class MeshSource:
                 raise TopologyError(name, f"{name}: {fault_found}")
             kept = topology.kept(interpolation)
             normals = normals if kept is None else normals[kept]
+            if self._skin is not None:
+                if interpolation not in ("vertex", "faceVarying"):
+                    return None, "vertex"
+                of = topology.indices if interpolation == "faceVarying" else None
+                normals = self._skin.normals(normals, of)
         except TopologyError as fault:
             message = f"{fault.message}; facets rendered instead"
             self._report.skipped(message, where(self._prim, fault.attribute, time))

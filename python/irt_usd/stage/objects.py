@@ -7,6 +7,7 @@ from irt_usd.report import Report
 from irt_usd.stage.attributes import prim_location
 from irt_usd.stage.mesh import MeshShape, MeshSource
 from irt_usd.stage.quadrics import QuadricSource
+from irt_usd.stage.skel import Skin
 from irt_usd.stage.snapshot import ObjectState, Shape
 from irt_usd.stage.transforms import SIXTEEN_DOUBLES, Node, transform_blame, transform_fault
 from irt_usd.stage.values import matrix_array
@@ -19,9 +20,16 @@ class ObjectSource:
     """Reads one object."""
 
     def __init__(
-        self, node: Node, shape: MeshSource | QuadricSource, material: str, report: Report
+        self,
+        node: Node,
+        shape: MeshSource | QuadricSource,
+        material: str,
+        report: Report,
+        skin: Skin | None = None,
     ) -> None:
         self.node = node
+        self._skin = skin
+        self._place: Node | Skin = skin or node
         self._shape = shape
         self._material = material
         self._report = report
@@ -32,15 +40,17 @@ class ObjectSource:
     @property
     def varies(self) -> bool:
         """Whether its shape, place or visibility can differ between frames."""
-        return self._shape.varies or self.node.moves or self.node.visibility_varies
+        return self._shape.varies or self._place.moves or self.node.visibility_varies
 
     def read(self, time: Usd.TimeCode) -> ObjectState | None:
         """The object at `time`, seen or not: the same one while nothing changes.
 
         None, and reported, if it cannot be drawn.
         """
+        if self._skin is not None:
+            self._skin.update(time)
         shape = self._shape.read(time)
-        world = bytes(self.node.world)
+        world = bytes(self._place.world)
         if world != self._world:
             self._world = world
             self._faulty = self._check_transform(time)
@@ -52,7 +62,7 @@ class ObjectSource:
         return self._state
 
     def _build(self, shape: Shape) -> ObjectState | None:
-        world = matrix_array(self.node.world)
+        world = matrix_array(self._place.world)
         if isinstance(shape, MeshShape):
             largest = max(map(abs, SIXTEEN_DOUBLES.unpack(self._world)))
             reach = largest * (3 * shape.extent + 1)
@@ -63,7 +73,8 @@ class ObjectSource:
         return ObjectState(self.node.path, shape, world, self._material)
 
     def _check_transform(self, time: Usd.TimeCode) -> bool:
-        fault = transform_fault(self.node.world)
+        fault = transform_fault(self._place.world)
         if fault:
-            self._report.skipped(*transform_blame(self.node, fault, time))
+            blamed = self._skin.blamed if self._skin is not None else self.node
+            self._report.skipped(*transform_blame(blamed, fault, time))
         return fault is not None

@@ -26,6 +26,7 @@ from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.quadrics import QuadricSource
 from irt_usd.stage.settings import settings_purposes, settings_size
+from irt_usd.stage.skel import Skin, Skins
 from irt_usd.stage.snapshot import (
     CameraState,
     LightState,
@@ -191,6 +192,7 @@ class ShotReader:
         """Sources of the objects, and (in passing) of every material they wear."""
         wearable: dict[str, bool] = {}
         sources = []
+        skins = Skins(self._hierarchy, self._report)
         bindings = bound_materials([node.prim for node in nodes], self._report)
         for node, (material_path, material) in zip(nodes, bindings, strict=True):
             name = str(material_path)
@@ -205,12 +207,16 @@ class ShotReader:
                     self._materials.append(source)
             if not wearable.get(name, False):
                 name = self._display_material(node)
-            is_mesh = node.prim.GetTypeName() == "Mesh"
-            kind: type[MeshSource | QuadricSource] = MeshSource if is_mesh else QuadricSource
-            shape = attempt(partial(kind, node, self._report, frozenset()), node.prim, self._report)
+            skin = attempt(partial(skins.skin, node), node.prim, self._report)
+            shape = attempt(partial(self._shape_source, node, skin), node.prim, self._report)
             if shape is not None:
-                sources.append(ObjectSource(node, shape, name, self._report))
+                sources.append(ObjectSource(node, shape, name, self._report, skin))
         return sources
+
+    def _shape_source(self, node: Node, skin: Skin | None) -> MeshSource | QuadricSource:
+        if node.prim.GetTypeName() == "Mesh":
+            return MeshSource(node, self._report, frozenset(), skin)
+        return QuadricSource(node, self._report, frozenset())
 
     def _display_material(self, node: Node) -> str:
         if not node.display_primvars:

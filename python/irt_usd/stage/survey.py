@@ -5,7 +5,7 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
-from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, UsdVol
+from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdVol
 
 from irt_usd.report import Report
 from irt_usd.stage import lights, quadrics
@@ -77,8 +77,6 @@ def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
         found.hierarchy.require(node)
         if prim.HasAPI(UsdLux.LightAPI):
             report.unsupported("lights made of geometry (rendered as geometry)", node.path)
-        if kind == "Mesh" and node.skinned and UsdSkel.Root.Find(prim):
-            report.unsupported("UsdSkel deformation (undeformed points rendered)", node.path)
     elif kind in lights.KINDS:
         found.lights.append(node)
         found.hierarchy.require(node)
