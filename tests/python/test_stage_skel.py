@@ -314,9 +314,8 @@ def test_inside_native_instances(shot: MakeShot, tmp_path: Path) -> None:
     objects = made.read(3).objects
     alone = world_points(shot(rigged(influences()), name="r.usda").read(3).objects["/R/M"])
     np.testing.assert_allclose(world_points(objects["/I/M"]), alone, atol=1e-6)
-    np.testing.assert_allclose(
-        world_points(objects["/J/M"]), alone + np.array([7, 0, 0]), atol=1e-6
-    )
+    moved = alone + np.array([7, 0, 0])
+    np.testing.assert_allclose(world_points(objects["/J/M"]), moved, atol=1e-6)
 
 
 def test_updates_are_exact(tmp_path: Path) -> None:
