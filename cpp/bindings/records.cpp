@@ -3,12 +3,15 @@
 
 #include "arrays.h"
 #include "irt/scene/change_set.h"
+#include "irt/scene/curves.h"
 
 namespace irt::bindings {
 
 namespace {
 
 using MeshPointer = std::shared_ptr<Mesh>;
+using SpheresPointer = std::shared_ptr<Spheres>;
+using CurvesPointer = std::shared_ptr<Curves>;
 using PrototypePointer = std::shared_ptr<Prototype>;
 using Triple = std::array<double, 3>;
 
@@ -59,13 +62,59 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
     return mesh;
 }
 
+std::vector<float> numbers(const Array<float>& a, const char* name) {
+    if (a.ndim() != 1) throw py::value_error(std::string(name) + " must have one dimension");
+    return {a.data(), a.data() + a.shape(0)};
+}
+
+SpheresPointer make_spheres(const Array<float>& points, const Array<float>& widths) {
+    const std::vector<V3f> centres = vectors(points, "points");
+    const std::vector<float> diameters = numbers(widths, "widths");
+    if (diameters.size() != 1 && diameters.size() != centres.size())
+        throw py::value_error("widths must be one, or one a point");
+    auto spheres = std::make_shared<Spheres>();
+    spheres->balls.reserve(centres.size());
+    for (std::size_t i = 0; i < centres.size(); ++i)
+        spheres->balls.push_back({centres[i], diameters[diameters.size() == 1 ? 0 : i] / 2});
+    return spheres;
+}
+
+/// One of `names` by its place.
+template <class Enum, std::size_t n>
+Enum named(const std::string& name, const char* const (&names)[n], const char* what) {
+    for (std::size_t i = 0; i < n; ++i)
+        if (name == names[i]) return static_cast<Enum>(i);
+    throw py::value_error(std::string(what) + " '" + name + "' is unknown");
+}
+constexpr const char* basis_names[] = {"linear", "bezier", "bspline", "catmullRom"};
+constexpr const char* wrap_names[] = {"nonperiodic", "periodic", "pinned"};
+
+CurvesPointer make_curves(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
+                          const Array<float>& widths, const std::string& widths_interpolation,
+                          const std::string& basis, const std::string& wrap, int segments) {
+    ControlCurves curves;
+    curves.basis = named<CurveBasis>(basis, basis_names, "basis");
+    curves.wrap = named<CurveWrap>(wrap, wrap_names, "wrap");
+    curves.points = vectors(points, "points");
+    curves.vertex_counts = integers(vertex_counts, "curve_vertex_counts");
+    curves.widths = numbers(widths, "widths");
+    curves.widths_interpolation = widths_interpolation == "varying"
+                                      ? Interpolation::FaceVarying
+                                      : interpolation_named(widths_interpolation);
+    return std::const_pointer_cast<Curves>(irt::make_curves(curves, segments));
+}
+
 Geometry geometry(const py::handle& object) {
     if (py::isinstance<Quadric>(object)) return object.cast<Quadric>();
     if (py::isinstance<Mesh>(object))
         return std::shared_ptr<const Mesh>(object.cast<MeshPointer>());
+    if (py::isinstance<Spheres>(object))
+        return std::shared_ptr<const Spheres>(object.cast<SpheresPointer>());
+    if (py::isinstance<Curves>(object))
+        return std::shared_ptr<const Curves>(object.cast<CurvesPointer>());
     if (py::isinstance<Prototype>(object))
         return std::shared_ptr<const Prototype>(object.cast<PrototypePointer>());
-    throw py::type_error("geometry must be a Quadric, a Mesh or a Prototype");
+    throw py::type_error("geometry must be a Quadric, a Mesh, Spheres, Curves or a Prototype");
 }
 
 PrototypePointer make_prototype(const py::sequence& parts) {
@@ -84,6 +133,13 @@ Quadric quadric(QuadricKind kind, double Quadric::*first, double a,
     q.kind = kind;
     q.*first = a;
     if (second) q.*second = b;
+    return q;
+}
+
+template <QuadricKind kind>
+Quadric two_radii(double bottom, double top, double height) {
+    Quadric q = quadric(kind, &Quadric::radius, bottom, &Quadric::height, height);
+    q.radius_top = top;
     return q;
 }
 
@@ -113,6 +169,10 @@ void bind_geometry(py::module_& module) {
                 return quadric(QuadricKind::Capsule, &Quadric::radius, r, &Quadric::height, h);
             },
             py::arg("radius"), py::arg("height"))
+        .def_static("frustum", &two_radii<QuadricKind::Frustum>, py::arg("radius_bottom"),
+                    py::arg("radius_top"), py::arg("height"))
+        .def_static("round_cone", &two_radii<QuadricKind::RoundCone>, py::arg("radius_bottom"),
+                    py::arg("radius_top"), py::arg("height"))
         .def_static(
             "plane",
             [](double w, double l) {
@@ -124,6 +184,12 @@ void bind_geometry(py::module_& module) {
              py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
              py::arg("single_sided") = false, py::arg("primvars") = py::dict());
+    py::class_<Spheres, SpheresPointer>(module, "Spheres")
+        .def(py::init(&make_spheres), py::arg("points"), py::arg("widths"));
+    py::class_<Curves, CurvesPointer>(module, "Curves")
+        .def(py::init(&make_curves), py::arg("points"), py::arg("curve_vertex_counts"),
+             py::arg("widths"), py::arg("widths_interpolation") = "constant",
+             py::arg("basis") = "linear", py::arg("wrap") = "nonperiodic", py::arg("segments") = 8);
     py::class_<Prototype, PrototypePointer>(module, "Prototype")
         .def(py::init(&make_prototype), py::arg("parts"));
 }

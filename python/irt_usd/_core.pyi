@@ -29,6 +29,12 @@ class Quadric:
     @staticmethod
     def capsule(radius: float, height: float) -> Quadric: ...
     @staticmethod
+    def frustum(radius_bottom: float, radius_top: float, height: float) -> Quadric:
+        """A cylinder with another radius at z = +height/2; one of the radii may be 0."""
+    @staticmethod
+    def round_cone(radius_bottom: float, radius_top: float, height: float) -> Quadric:
+        """The convex hull of balls of these radii at z = -height/2 and +height/2."""
+    @staticmethod
     def plane(width: float, length: float) -> Quadric: ...
 
 class Mesh:
@@ -51,6 +57,30 @@ class Mesh:
         primvars: Primvars = ...,
     ) -> None: ...
 
+class Spheres:
+    """Balls in object space: points (n, 3) float32, widths (1,) or (n,) float32, diameters."""
+
+    def __init__(self, points: NDArray[np.float32], widths: NDArray[np.float32]) -> None: ...
+
+class Curves:
+    """Curves as chains of round cones, in object space.
+
+    points (n, 3) float32; curve_vertex_counts (c,) int32; widths (k,) float32, diameters, k as
+    `widths_interpolation` asks of UsdGeom's curves; each span of a cubic basis becomes `segments`
+    straight ones. Raises ValueError on counts that do not fit.
+    """
+
+    def __init__(
+        self,
+        points: NDArray[np.float32],
+        curve_vertex_counts: NDArray[np.int32],
+        widths: NDArray[np.float32],
+        widths_interpolation: Literal["constant", "uniform", "varying", "vertex"] = "constant",
+        basis: Literal["linear", "bezier", "bspline", "catmullRom"] = "linear",
+        wrap: Literal["nonperiodic", "periodic", "pinned"] = "nonperiodic",
+        segments: int = 8,
+    ) -> None: ...
+
 class Prototype:
     """Geometry shared by instances.
 
@@ -58,7 +88,8 @@ class Prototype:
     """
 
     def __init__(
-        self, parts: Sequence[tuple[str, Quadric | Mesh, NDArray[np.float64], str]]
+        self,
+        parts: Sequence[tuple[str, Quadric | Mesh | Spheres | Curves, NDArray[np.float64], str]],
     ) -> None: ...
 
 class Texture:
@@ -169,7 +200,7 @@ class ChangeSet:
     def set_object(
         self,
         path: str,
-        geometry: Quadric | Mesh | Prototype,
+        geometry: Quadric | Mesh | Spheres | Curves | Prototype,
         world_from_object: NDArray[np.float64],
         material: str = "",
         primvars: Primvars = ...,

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <thread>
+#include <tuple>
 
 #include "irt/trace/ray_origin.h"
 #include "trace_scenes.h"
@@ -37,6 +38,43 @@ void add_targets(const Surface& surface, const M44d& render_from_trace, Targets&
             }
         return;
     }
+    const auto out = [&](const V3d& p) { return at(transform_point(surface.trace_from_shape, p)); };
+    if (surface.spheres || surface.curves) {
+        // Poles and silhouettes of balls, and the circles where cones touch them.
+        const auto& balls = surface.spheres ? surface.spheres->balls : surface.curves->balls;
+        for (std::uint32_t k = 0; k < balls.size(); ++k) {
+            const V3d centre(balls[k].centre);
+            const auto r = static_cast<double>(balls[k].radius);
+            for (int a = 0; a < 3; ++a)
+                for (const double side : {-1.0, 1.0}) {
+                    V3d pole = centre;
+                    pole[a] += side * r;
+                    targets.points.push_back(out(pole));
+                    targets.edges.emplace_back(out(centre), out(pole));
+                }
+            const std::uint32_t next = surface.curves ? surface.curves->next_ball(k) : Curves::none;
+            if (next == Curves::none) continue;
+            const V3d end(balls[next].centre), along = end - centre;
+            const auto end_radius = static_cast<double>(balls[next].radius);
+            const double length = along.length(), sine = (r - end_radius) / length;
+            if (!(std::fabs(sine) < 1)) continue;
+            const double cosine = std::sqrt(1 - sine * sine);
+            const V3d axis = along / length,
+                      side = axis.cross(std::fabs(axis.x) < 0.5 ? V3d(1, 0, 0) : V3d(0, 1, 0))
+                                 .normalized(),
+                      other = axis.cross(side);
+            for (int i = 0; i < 8; ++i) {
+                const double angle = 3.14159265358979323846 * i / 4;
+                const V3d normal =
+                    (side * std::cos(angle) + other * std::sin(angle)) * cosine + axis * sine;
+                targets.points.push_back(out(centre + normal * r));
+                targets.points.push_back(out(end + normal * end_radius));
+                targets.edges.emplace_back(out(centre + normal * r),
+                                           out(end + normal * end_radius));
+            }
+        }
+        return;
+    }
     // Rims, poles, corners, apex: where one piece of a solid ends and the next begins.
     const Quadric& q = surface.quadric;
     const bool flat = q.kind == QuadricKind::Cube || q.kind == QuadricKind::Plane;
@@ -45,7 +83,6 @@ void add_targets(const Surface& surface, const M44d& render_from_trace, Targets&
     const double z = q.kind == QuadricKind::Plane  ? 0
                      : q.kind == QuadricKind::Cube ? q.size / 2
                                                    : q.height / 2;
-    const auto out = [&](const V3d& p) { return at(transform_point(surface.trace_from_shape, p)); };
     for (int k = 0; k < 16; ++k) {
         const double angle = 3.14159265358979323846 * k / 8;
         const V3d rim = flat ? V3d(k & 1 ? x : -x, k & 2 ? y : -y, 0)
@@ -124,9 +161,29 @@ std::vector<Kind> make_kinds() {
         kinds.emplace_back(name, builder);
     }
     {
+        // Each cloud and tuft in several places and, in places, twice.
+        SceneBuilder builder;
+        for (int i = 0; i < 4; ++i)
+            add_copies(builder, std::shared_ptr<const Spheres>(cloud(random, 40)), random, 4);
+        kinds.emplace_back("spheres", builder);
+    }
+    for (const auto& [name, balls, radius] :
+         {std::tuple{"curves", 6u, 0.15}, {"thin curves", 6u, 1e-6}, {"thick curves", 40u, 0.4}}) {
+        SceneBuilder builder;
+        for (int i = 0; i < 4; ++i)
+            add_copies(builder,
+                       std::shared_ptr<const Curves>(strands(random, 4, balls, i % 2 == 0, radius)),
+                       random, balls > 6 ? 2 : 4);
+        kinds.emplace_back(name, builder);
+    }
+    {
         SceneBuilder builder;
         auto prototype = std::make_shared<Prototype>();
         prototype->parts = {
+            {"curves", std::shared_ptr<const Curves>(strands(random, 2, 5, true)),
+             translation({0, -2, 0}), "red glass"},
+            {"spheres", std::shared_ptr<const Spheres>(cloud(random, 8)), translation({-2, 0, 0}),
+             "glass"},
             {"mesh", MeshPointer(ball(16, 24)), M44d(), "opaque"},
             {"box", MeshPointer(box()), translation({0, 0, 1.5}), "glass"},
             {"cone", quadric(QuadricKind::Cone), translation({0, 2, 0}), "red glass"}};
@@ -139,6 +196,8 @@ std::vector<Kind> make_kinds() {
             add_copies(builder, quadric(kind), random, 6);
         add_copies(builder, MeshPointer(ball(16, 24)), random, 6);
         add_copies(builder, MeshPointer(box()), random, 6);
+        add_copies(builder, std::shared_ptr<const Spheres>(cloud(random, 8)), random, 6);
+        add_copies(builder, std::shared_ptr<const Curves>(strands(random, 2, 5, false)), random, 6);
         kinds.emplace_back("mixed", builder);
     }
     return kinds;
@@ -363,6 +422,39 @@ Tally leak(const Closed& closed, std::size_t rays) {
     return {rays, 0, leaks, 0};
 }
 
+/// Rays from inside a curve that find no wall, and rays aimed into one from outside that get there.
+Tally curve_leak(const char* name, double radius, std::uint32_t balls, std::size_t rays) {
+    Random setting(3);
+    const auto curves = strands(setting, 8, balls, true, radius);
+    const Kind kind(name, one(std::shared_ptr<const Curves>(curves), rotation(0, 0.3)));
+    const auto trees = intersector(*kind.scene);
+    std::atomic<std::size_t> leaks{0}, shot{0};
+    in_parallel(rays, [&](std::size_t first, std::size_t last) {
+        Random random(first + 1);
+        trace::QueryCounts counts;
+        for (std::size_t i = first; i < last; ++i) {
+            const Ball& ball = curves->balls[random.below(curves->balls.size())];
+            const V3d in_shape =
+                V3d(ball.centre) + random.direction() * (0.9 * static_cast<double>(ball.radius));
+            const V3d inside = V3d(V3f(transform_point(rotation(0, 0.3), in_shape)));
+            // Narrowing must not take the origin out of a thin curve.
+            const V3d back = transform_point(rotation(0, -0.3), inside);
+            if ((back - V3d(ball.centre)).length() > 0.95 * static_cast<double>(ball.radius))
+                continue;
+            ++shot;
+            const V3d target = kind.targets.points[random.below(kind.targets.points.size())];
+            if (!trees->nearest(ray(inside, i % 2 == 0 ? random.direction() : target - inside),
+                                counts))
+                ++leaks;
+            const V3d from = V3d(V3f(inside + random.direction() * (i % 3 == 0 ? 100.0 : 3.0)));
+            const trace::Hit seen = trees->nearest(ray(from, inside - from), counts);
+            const bool exact = static_cast<double>(ball.radius) > 1e-4;  // else the aim is not
+            if (exact && !(seen && seen.t < 1)) ++leaks;
+        }
+    });
+    return {shot, 0, leaks, 0};
+}
+
 std::size_t number(const char* text) {
     char* end = nullptr;
     const double value = std::strtod(text, &end);
@@ -405,6 +497,10 @@ int run(int argc, char** argv) {
     const std::vector<Closed> closed = make_closed();
     for (const Closed& c : closed)
         count(c.name, c.family, leak(c, (leak_rays + closed.size() - 1) / closed.size()));
+    const std::size_t curve_rays = leak_rays / 8;
+    count("curves", "from inside and outside", curve_leak("curves", 0.15, 6, curve_rays));
+    count("thick curves", "from inside and outside", curve_leak("thick", 0.3, 24, curve_rays));
+    count("thin curves", "from inside and outside", curve_leak("thin", 1e-4, 6, curve_rays));
     count("total", "", total);
     return total.differences == 0 && total.leaks == 0 ? 0 : 1;
 }

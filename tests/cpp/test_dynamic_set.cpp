@@ -20,9 +20,8 @@ trace::Hit nearest_of(const Scene& scene, const trace::Ray& ray, const trace::Hi
     for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
         const ObjectSlot& object = scene.objects()[slot];
         if (!object.live || !counts(slot)) continue;
-        const std::size_t triangles =
-            object.surface.triangles ? object.surface.triangles->triangles.size() : 1;
-        for (std::uint32_t k = 0; k < triangles; ++k) {
+        const std::uint32_t primitives = trace::primitive_count(object.surface);
+        for (std::uint32_t k = 0; k < primitives; ++k) {
             trace::Hit hit;
             hit.object = slot;
             if (!trace::judge_primitive(object.surface, k, world, hit)) continue;
@@ -49,7 +48,7 @@ TEST(DynamicSet, QueriesAnswerAsTheObjectsJudgedOneByOne) {
         };
         const auto geometry = [&]() -> Geometry {
             if (random.below(3) == 0) return std::shared_ptr<const Mesh>(box());
-            return quadric(quadric_kinds()[random.below(6)].first);
+            return random_solid(random);
         };
         for (int i = 0; i < 14; ++i) builder.add(geometry(), place());
         Scene scene{V3d(0, 0, 0)};

@@ -25,7 +25,7 @@ trace::Hit hit_on(const ObjectSlot& object, const trace::Ray& ray) {
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
     for (std::uint32_t part = 0; part < parts; ++part) {
         const Surface& surface = object.part(part);
-        const std::size_t primitives = surface.triangles ? surface.triangles->triangles.size() : 1;
+        const std::uint32_t primitives = trace::primitive_count(surface);
         for (std::uint32_t k = 0; k < primitives; ++k) {
             trace::Hit hit;
             hit.object = 0;
@@ -48,14 +48,13 @@ Geometry random_geometry(Random& random) {
             return std::shared_ptr<const Mesh>(sheet());
         case 3: {
             auto prototype = std::make_shared<Prototype>();
-            prototype->parts.push_back(
-                {"q", quadric(quadric_kinds()[random.below(6)].first), M44d(), "opaque"});
+            prototype->parts.push_back({"q", random_solid(random), M44d(), "opaque"});
             prototype->parts.push_back(
                 {"m", std::shared_ptr<const Mesh>(box()), random.transform(1), "opaque"});
             return std::shared_ptr<const Prototype>(prototype);
         }
         default:
-            return quadric(quadric_kinds()[random.below(6)].first);
+            return random_solid(random);
     }
 }
 

@@ -45,6 +45,18 @@ TEST(Quadrics, ClosedForms) {
     EXPECT_EQ(t(QuadricKind::Cone, {4, 0, 1.75}, {-1, 0, 0}), -1);
     EXPECT_NEAR(t(QuadricKind::Capsule, {0, 0, 4}, {0, 0, -1}), 2, 1e-13);
     EXPECT_NEAR(t(QuadricKind::Capsule, {4, 0, 0.5}, {-1, 0, 0}), 3.5, 1e-13);
+    q.radius_top = 0.125;
+    EXPECT_NEAR(t(QuadricKind::Frustum, {4, 0, 0}, {-1, 0, 0}), 4 - 0.3125, 1e-13);
+    EXPECT_NEAR(t(QuadricKind::Frustum, {0.0625, 0, 4}, {0, 0, -1}), 2.5, 1e-13);
+    EXPECT_NEAR(t(QuadricKind::Frustum, {0.3125, 0, 4}, {0, 0, -1}), 4, 1e-13);
+    EXPECT_EQ(t(QuadricKind::Frustum, {0.3, 4, 1.4}, {0, -1, 0}), -1);
+    EXPECT_NEAR(t(QuadricKind::RoundCone, {0, 0, 4}, {0, 0, -1}), 2.375, 1e-13);
+    EXPECT_NEAR(t(QuadricKind::RoundCone, {0, 0, -4}, {0, 0, 1}), 2, 1e-13);
+    // Of a round cone's middle the side's distance from the axis is the mean radius over cosine.
+    EXPECT_NEAR(t(QuadricKind::RoundCone, {4, 0, 0}, {-1, 0, 0}),
+                4 - 0.3125 / std::sqrt(1 - 0.125 * 0.125), 1e-13);
+    q.radius = 4;  // holds the other ball
+    EXPECT_NEAR(t(QuadricKind::RoundCone, {0, 0, 9}, {0, 0, -1}), 9 - 2.5, 1e-13);
     EXPECT_NEAR(t(QuadricKind::Plane, {0.75, -0.75, 4}, {0, 0, -1}), 4, 1e-13);
     EXPECT_EQ(t(QuadricKind::Plane, {1.25, 0, 4}, {0, 0, -1}), -1);
 }
@@ -67,6 +79,21 @@ double implicit(const Quadric& q, std::uint8_t piece, const V3d& p) {
             const double z = piece == 0 ? 0 : p.z - (piece == 1 ? -h : h);
             return around + z * z - q.radius * q.radius;
         }
+        case QuadricKind::Frustum: {
+            const double middle = (q.radius + q.radius_top) / 2,
+                         w = middle + (q.radius_top - q.radius) * p.z / q.height;
+            return piece == 0 ? around - w * w : (piece == 1 ? -p.z : p.z) - h;
+        }
+        case QuadricKind::RoundCone: {
+            if (piece != 0) {
+                const double r = piece == 1 ? q.radius : q.radius_top,
+                             z = p.z - (piece == 1 ? -h : h);
+                return around + z * z - r * r;
+            }
+            const double sine = (q.radius - q.radius_top) / q.height,
+                         w = (q.radius + q.radius_top) / 2 - sine * p.z;
+            return around * (1 - sine * sine) - w * w;
+        }
         case QuadricKind::Plane:
             return p.z;
     }
@@ -80,6 +107,7 @@ TEST(Quadrics, HitsLieOnTheirPieceAndNormalsAreGradients) {
         for (int i = 0; i < 3000; ++i) {
             Quadric q = quadric(kind);
             q.radius = std::exp2(random());
+            q.radius_top = std::exp2(2 * random()) - 0.25;
             q.height = std::exp2(random());
             const M44d m = random.transform(2);
             SceneBuilder builder;
@@ -120,14 +148,14 @@ TEST(Quadrics, HitsLieOnTheirPieceAndNormalsAreGradients) {
 TEST(RayOrigin, LeavingRaysNeverMeetTheirPrimitiveFromTheWrongSide) {
     Random random(2);
     for (int i = 0; i < 6000; ++i) {
-        const std::size_t k = random.below(8);
+        const std::size_t kinds = quadric_kinds().size(), k = random.below(kinds + 2);
         Geometry geometry;
         bool convex = true;
-        if (k < 6) {
+        if (k < kinds) {
             geometry = quadric(quadric_kinds()[k].first);
         } else {
-            geometry = k == 6 ? std::shared_ptr<const Mesh>(box())
-                              : std::shared_ptr<const Mesh>(ball(6, 8));
+            geometry = k == kinds ? std::shared_ptr<const Mesh>(box())
+                                  : std::shared_ptr<const Mesh>(ball(6, 8));
             convex = false;  // judged triangle by triangle
         }
         const double scale = std::exp2(20 * random());

@@ -15,7 +15,7 @@ std::shared_ptr<Prototype> random_prototype(Random& random) {
         Part part;
         part.name = "p" + std::to_string(i);
         if (random.below(2) == 0)
-            part.geometry = quadric(quadric_kinds()[random.below(6)].first);
+            part.geometry = random_solid(random);
         else
             part.geometry = std::shared_ptr<const Mesh>(ball(4, 5));
         part.prototype_from_part = random.transform(1);
@@ -46,7 +46,7 @@ ChangeSet random_scene(Random& random, double spread) {
                     object.geometry = std::shared_ptr<const Prototype>(prototype);
                     break;
                 default:
-                    object.geometry = quadric(quadric_kinds()[random.below(6)].first);
+                    object.geometry = random_solid(random);
             }
             // Some aligned to the grid, so that surfaces of different objects coincide.
             if (random.below(2) == 0) {

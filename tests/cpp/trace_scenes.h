@@ -145,6 +145,7 @@ inline std::shared_ptr<Mesh> box() {
 inline Quadric quadric(QuadricKind kind) {
     Quadric q;
     q.kind = kind;
+    q.radius_top = 0.375;
     return q;
 }
 
@@ -152,8 +153,57 @@ inline const std::vector<std::pair<QuadricKind, const char*>>& quadric_kinds() {
     static const std::vector<std::pair<QuadricKind, const char*>> kinds{
         {QuadricKind::Sphere, "sphere"},     {QuadricKind::Cube, "cube"},
         {QuadricKind::Cylinder, "cylinder"}, {QuadricKind::Cone, "cone"},
-        {QuadricKind::Capsule, "capsule"},   {QuadricKind::Plane, "plane"}};
+        {QuadricKind::Capsule, "capsule"},   {QuadricKind::Plane, "plane"},
+        {QuadricKind::Frustum, "frustum"},   {QuadricKind::RoundCone, "round cone"}};
     return kinds;
+}
+
+/// Balls within [-1, 1]^3: some alike, some within others, some of radius 0, some on a grid.
+inline std::shared_ptr<Spheres> cloud(Random& random, std::size_t count) {
+    auto spheres = std::make_shared<Spheres>();
+    for (std::size_t i = 0; i < count; ++i) {
+        Ball ball{V3f(random.point()), static_cast<float>(0.25 + 0.2 * random())};
+        if (i % 5 == 1) ball.radius = 0;
+        if (i % 5 == 2) ball.centre = {0, std::round(ball.centre.y * 2) / 2, 0.5f};
+        if (i % 5 == 3) ball = spheres->balls[random.below(i)];
+        if (i % 5 == 4) ball = {spheres->balls[random.below(i)].centre, 0.0625f};
+        spheres->balls.push_back(ball);
+    }
+    return spheres;
+}
+
+/// Curves of `balls` each within [-1, 1]^3: sharp turns, straight runs, balls that hold their
+/// neighbours, points twice in a row, tips of radius 0.
+inline std::shared_ptr<Curves> strands(Random& random, std::uint32_t count, std::uint32_t balls,
+                                       bool closed, double radius = 0.15) {
+    auto curves = std::make_shared<Curves>();
+    curves->closed = closed;
+    curves->firsts.push_back(0);
+    for (std::uint32_t c = 0; c < count; ++c) {
+        V3f at(random.point() * 0.5), step(random.point() * 0.25);
+        for (std::uint32_t i = 0; i < balls; ++i) {
+            auto r = static_cast<float>(radius * (1 + 0.7 * random()));
+            if (random.below(3) == 0) step = V3f(random.point() * 0.3);
+            if (random.below(6) == 0) step = {0.25f, 0, 0};
+            if (random.below(8) == 0) r *= 3;
+            if (i + 1 == balls && c % 2 == 0) r = 0;
+            if (random.below(8) != 0) at += step;
+            curves->balls.push_back({at, r});
+            curves->curve_of.push_back(c);
+        }
+        curves->firsts.push_back(static_cast<std::uint32_t>(curves->balls.size()));
+    }
+    return curves;
+}
+
+/// Any geometry but meshes and instances.
+inline Geometry random_solid(Random& random) {
+    const std::size_t k = random.below(quadric_kinds().size() + 3);
+    if (k < quadric_kinds().size()) return quadric(quadric_kinds()[k].first);
+    if (k == quadric_kinds().size())
+        return std::shared_ptr<const Spheres>(cloud(random, random.below(12)));
+    return std::shared_ptr<const Curves>(
+        strands(random, 1 + static_cast<std::uint32_t>(random.below(3)), 5, random.below(2) == 0));
 }
 
 /// Collects objects of three materials ("opaque", "glass", "red glass") and makes the scene.

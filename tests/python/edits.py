@@ -12,13 +12,15 @@ from hypothesis import strategies as st
 
 import scenes
 from irt_usd import _core
-from scenes import BOX, Edit
+from scenes import BOX, CLOUD, LOCK, Edit
 
 T = TypeVar("T")
 Pick = Callable[[Sequence[Any]], Any]
 """One of several, by a property test's search or by a generator of random numbers."""
 
+MORE = ("frustum", "round_cone", "points", "curves", "points", "curves")
 NAMES = ("/a", "/b", "/c", "/d", "/e")
+MANY = ("/cloud", "/lock", "/ring")
 MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
 LIGHTS = ("/key", "/fill")
 
@@ -60,7 +62,14 @@ def point(pick: Pick) -> tuple[float, ...]:
 
 
 def geometry(pick: Pick) -> tuple[Any, ...]:
-    kind = pick(("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "pair"))
+    kind = pick(("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "pair", *MORE))
+    if kind in ("frustum", "round_cone"):
+        return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
+    if kind == "points":
+        return kind, pick((CLOUD, tuple(CLOUD[i % 4] for i in range(9)), LOCK, ()))
+    if kind == "curves":
+        basis = pick(("linear", "bspline", "catmullRom"))
+        return kind, basis, pick(("nonperiodic", "periodic", "pinned")), pick((LOCK, CLOUD))
     if kind == "box":
         return kind, pick((False, True)), BOX
     if kind == "pair":
@@ -106,10 +115,17 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "resize": lambda pick: ("resize", pick(NAMES), (pick((0.5, 1.5)), pick((1.0, 0.7)))),
     "deform": lambda pick: (
         "deform",
-        pick(NAMES),
+        pick((*NAMES, *MANY)),
         pick(range(8)),
         pick(((0.3, 0.0, 0.0), (0.0, 0.25, -0.5))),
     ),
+    "widen": lambda pick: (
+        "widen",
+        pick((*NAMES, *MANY)),
+        pick(range(5)),
+        pick((0.0, 0.1, 0.5)),
+    ),
+    "thin": lambda pick: ("thin", pick((*NAMES, *MANY)), pick(range(5))),
     "add": lambda pick: ("object", pick(NAMES), geometry(pick), transform(pick), pick(MATERIALS)),
     "coincide": lambda pick: ("copy", pick(NAMES), pick(NAMES), pick(MATERIALS)),
     "delete": lambda pick: ("remove", pick(NAMES)),

@@ -3,7 +3,8 @@
 
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
 ("capsule", ...), ("plane", width, length), ("box", single_sided, corners) or ("pair", radius,
-material), an instance; a material is the arguments of _core.Material; a light is ("distant",
+material), an instance, ("frustum" or "round_cone", radius_bottom, radius_top, height), ("points",
+((x, y, z, width), ...)) or ("curves", basis, wrap, ((x, y, z, width), ...)); a material is the arguments of _core.Material; a light is ("distant",
 direction, irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of
 _core may stand in their place.
 """
@@ -21,6 +22,14 @@ AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
 Edit = tuple[Any, ...]
 
 BOX = tuple((x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5))
+CLOUD = ((0.0, 0.0, 0.0, 0.5), (0.3, 0.0, 0.1, 0.4), (0.3, 0.0, 0.1, 0.4), (-0.6, 0.5, 0.0, 0.25))
+LOCK = (
+    (-0.5, 0.0, 0.0, 0.25),
+    (0.0, 0.25, 0.25, 0.125),
+    (0.5, 0.0, 0.25, 0.25),
+    (0.5, 0.0, 0.375, 0.3125),
+    (0.5, -0.5, 0.5, 0.0),
+)
 BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
@@ -39,6 +48,14 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         ball, box = ("sphere", radius), ("box", False, BOX)
         parts = [("q", ball, material), ("m", box, "/red")]
         return _core.Prototype([(n, geometry(g), np.eye(4), m) for n, g, m in parts])
+    if kind in ("points", "curves"):
+        balls = np.array(sizes[-1], np.float32).reshape(-1, 4)
+        points, widths = balls[:, :3], balls[:, 3]
+        if kind == "points":
+            return _core.Spheres(points, widths)
+        basis, wrap, _ = sizes
+        counts = np.array([len(balls)], np.int32)
+        return _core.Curves(points, counts, widths, "vertex", basis, wrap, segments=3)
     return getattr(_core.Quadric, kind)(*sizes)
 
 
@@ -146,19 +163,46 @@ class State:
     def _resize(self, name: str, factors: tuple[float, ...]) -> None:
         """Keyed radius, height and size."""
         shape, *others = self.objects.get(name, ((),))
-        if isinstance(shape, tuple) and len(shape) > 1 and shape[0] != "box":
+        if isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)):
+            balls = tuple((*ball[:3], ball[3] * factors[0]) for ball in shape[-1])
+            self.objects[name] = ((*shape[:-1], balls), *others)
+        elif isinstance(shape, tuple) and len(shape) > 1 and shape[0] != "box":
             sizes = list(shape[1:])
             for i, factor in enumerate(factors[: len(sizes)]):
                 sizes[i] *= factor if isinstance(sizes[i], float) else 1
             self.objects[name] = ((shape[0], *sizes), *others)
 
     def _deform(self, name: str, corner: int, offset: tuple[float, ...]) -> None:
-        """Moves one point of a mesh."""
+        """Moves one point of a mesh, a cloud or a curve."""
         shape, *others = self.objects.get(name, ((),))
         if isinstance(shape, tuple) and shape[:1] == ("box",):
             corners = list(shape[2])
             corners[corner] = tuple(a + b for a, b in zip(corners[corner], offset, strict=True))
             self.objects[name] = (("box", shape[1], tuple(corners)), *others)
+        elif isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
+            balls = list(shape[-1])
+            ball = balls[corner % len(balls)]
+            moved = tuple(a + b for a, b in zip(ball[:3], offset, strict=True))
+            balls[corner % len(balls)] = (*moved, ball[3])
+            self.objects[name] = ((*shape[:-1], tuple(balls)), *others)
+
+    def _widen(self, name: str, which: int, width: float) -> None:
+        """Another width of one point of a cloud or a curve."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
+            balls = list(shape[-1])
+            balls[which % len(balls)] = (*balls[which % len(balls)][:3], width)
+            self.objects[name] = ((*shape[:-1], tuple(balls)), *others)
+
+    def _thin(self, name: str, which: int) -> None:
+        """One point fewer."""
+        shape, *others = self.objects.get(name, ((),))
+        least = {"points": 0, "curves": 4}
+        if isinstance(shape, tuple) and shape and shape[0] in least:
+            balls = list(shape[-1])
+            if len(balls) > least[shape[0]]:
+                del balls[which % len(balls)]
+                self.objects[name] = ((*shape[:-1], tuple(balls)), *others)
 
     def _bind(self, name: str, material: str) -> None:
         if name in self.objects:
@@ -241,6 +285,9 @@ def crowd() -> State:
             ("object", "/d", ("plane", 3.0, 3.0), floor(2.5), "/glass"),
             ("object", "/e", ("pair", 0.5, "/lamp"), floor(1.5), "/red"),
             ("object", "/lantern", ("sphere", 0.25), (*aside[:3], (0.5, -0.5, -4, 1)), "/lamp"),
+            ("object", "/cloud", ("points", CLOUD), floor(0.6), "/glass"),
+            ("object", "/lock", ("curves", "bspline", "pinned", LOCK), floor(0.2), "/glass"),
+            ("object", "/ring", ("curves", "linear", "periodic", LOCK), floor(1.0), "/mirror"),
             ("object", "/leaves", ("plane", 1.0, 1.0), floor(0.5), "/leaf"),
             ("light", "/fill", ("point", (0.5, 2.0, -3.0), (8.0, 4.0, 4.0), True)),
         ]

@@ -33,7 +33,7 @@ bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
     const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
     for (std::uint32_t part = 0; part < parts; ++part) {
         const Surface& surface = object.part(part);
-        const std::size_t primitives = surface.triangles ? surface.triangles->triangles.size() : 1;
+        const std::uint32_t primitives = trace::primitive_count(surface);
         for (std::uint32_t k = 0; k < primitives; ++k) {
             trace::Hit hit;
             hit.object = slot;

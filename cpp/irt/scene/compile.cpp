@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "irt/math/libm.h"
@@ -112,9 +113,31 @@ void check(const Mesh& mesh, const std::string& path) {
 }
 
 void check(const Quadric& q, const std::string& path) {
-    for (const double length : {q.radius, q.height, q.size, q.width, q.length})
+    const bool two_radii = q.kind == QuadricKind::Frustum || q.kind == QuadricKind::RoundCone;
+    const double radius = two_radii ? std::max(q.radius, q.radius_top) : q.radius;
+    for (const double length : {radius, q.height, q.size, q.width, q.length})
         if (!(length > 0) || !std::isfinite(length))
             refuse(path, "radius, height, size, width and length must be positive and finite");
+    if (two_radii && !(q.radius >= 0 && q.radius_top >= 0))
+        refuse(path, "the radii must not be negative");
+}
+
+/// `balls` in trace space must be within the range of single precision, which Embree's boxes have.
+void check(const std::vector<Ball>& balls, const M44d& trace_from_shape, const std::string& path) {
+    constexpr double most = std::numeric_limits<float>::max();
+    const double gain = 3 * largest_entry(trace_from_shape);
+    for (const Ball& ball : balls) {
+        const V3d p = transform_point(trace_from_shape, V3d(ball.centre));
+        const auto radius = static_cast<double>(ball.radius);
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            refuse(path, "points has a NaN or infinite entry");
+        if (!(radius >= 0) || !std::isfinite(radius))
+            refuse(path, "widths must be finite and not negative");
+        const double reach =
+            std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) + gain * radius;
+        if (!(reach < most / 2))
+            refuse(path, "points leave the range of single precision under the transform");
+    }
 }
 
 }  // namespace
@@ -216,8 +239,14 @@ Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
         surface.quadric = *quadric;
     } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&geometry)) {
         surface.triangles = triangulate(*mesh, trace_from_shape, path);
+    } else if (const auto* spheres = std::get_if<std::shared_ptr<const Spheres>>(&geometry)) {
+        check((*spheres)->balls, trace_from_shape, path);
+        surface.spheres = *spheres;
+    } else if (const auto* curves = std::get_if<std::shared_ptr<const Curves>>(&geometry)) {
+        check((*curves)->balls, trace_from_shape, path);
+        surface.curves = *curves;
     } else {
-        refuse(path, "a prototype's parts must be meshes or quadrics");
+        refuse(path, "a prototype's parts must not be prototypes");
     }
     return surface;
 }

@@ -26,7 +26,13 @@ bool same(const Prototype& a, const Prototype& b) {
 bool same(const Quadric& a, const Quadric& b) {
     return a.kind == b.kind && same_bits(a.radius, b.radius) && same_bits(a.height, b.height) &&
            same_bits(a.size, b.size) && same_bits(a.width, b.width) &&
-           same_bits(a.length, b.length);
+           same_bits(a.length, b.length) && same_bits(a.radius_top, b.radius_top);
+}
+
+bool same(const Spheres& a, const Spheres& b) { return same_bits(a.balls, b.balls); }
+
+bool same(const Curves& a, const Curves& b) {
+    return a.closed == b.closed && same_bits(a.firsts, b.firsts) && same_bits(a.balls, b.balls);
 }
 
 bool same(const Primvars& a, const Primvars& b) {

@@ -9,6 +9,8 @@ namespace irt {
 bool same(const Quadric& a, const Quadric& b);
 bool same(const Primvars& a, const Primvars& b);
 bool same(const Mesh& a, const Mesh& b);
+bool same(const Spheres& a, const Spheres& b);
+bool same(const Curves& a, const Curves& b);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);
 /// Whether both stop the same share of a shadow ray everywhere; false where that is hard to tell.

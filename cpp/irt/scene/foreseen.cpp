@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "irt/scene/equality.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_many.h"
 
 namespace irt {
 
@@ -12,6 +12,10 @@ namespace {
 
 /// Boxes an object may have before they become one.
 constexpr std::size_t most_boxes = 64;
+
+void extend(trace::Box& box, const std::vector<Ball>& balls, const M44d& world_from_shape) {
+    for (const Ball& ball : balls) box.extend(trace::ball_box(ball, world_from_shape));
+}
 
 void extend(trace::Box& box, const Geometry& geometry, const M44d& world_from_shape) {
     if (const auto* quadric = std::get_if<Quadric>(&geometry)) {
@@ -21,6 +25,10 @@ void extend(trace::Box& box, const Geometry& geometry, const M44d& world_from_sh
         box.extend(centre + half);
     } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&geometry)) {
         for (const V3f& p : (*mesh)->points) box.extend(transform_point(world_from_shape, V3d(p)));
+    } else if (const auto* spheres = std::get_if<std::shared_ptr<const Spheres>>(&geometry)) {
+        extend(box, (*spheres)->balls, world_from_shape);
+    } else if (const auto* curves = std::get_if<std::shared_ptr<const Curves>>(&geometry)) {
+        extend(box, (*curves)->balls, world_from_shape);
     } else {
         for (const Part& part : std::get<std::shared_ptr<const Prototype>>(geometry)->parts)
             extend(box, part.geometry, part.prototype_from_part * world_from_shape);

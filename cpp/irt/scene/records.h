@@ -16,14 +16,25 @@
 namespace irt {
 
 /// A quadric (or another exact convex solid of UsdGeom) in its own space, its axis along z.
-enum class QuadricKind : std::uint8_t { Sphere, Cube, Cylinder, Cone, Capsule, Plane };
+enum class QuadricKind : std::uint8_t {
+    Sphere,
+    Cube,
+    Cylinder,
+    Cone,
+    Capsule,
+    Plane,
+    Frustum,
+    RoundCone
+};
 
 /// Lengths are in object units; the kinds use: Sphere radius; Cube size; Cylinder, Cone and Capsule
-/// radius and height (of the capsule: without its caps); Plane width (x) and length (y).
-/// All solids are centred on the origin; a cone's apex is at z = +height/2.
+/// radius and height (of the capsule: without its caps); Plane width (x) and length (y); Frustum (a
+/// cylinder whose ends differ) and RoundCone (a capsule whose ends differ: the convex hull of its
+/// two balls) radius at z = -height/2, radius_top at z = +height/2, and height. All solids are
+/// centred on the origin; a cone's apex is at z = +height/2.
 struct Quadric {
     QuadricKind kind = QuadricKind::Sphere;
-    double radius = 1, height = 2, size = 2, width = 2, length = 2;
+    double radius = 1, height = 2, size = 2, width = 2, length = 2, radius_top = 1;
 };
 
 enum class Interpolation : std::uint8_t { None, Constant, Uniform, Vertex, FaceVarying };
@@ -54,10 +65,51 @@ struct Mesh {
     Primvars primvars = {};
 };
 
+/// A ball, lengths in object units. One of radius 0 is not there.
+struct Ball {
+    V3f centre;
+    float radius;
+};
+
+/// Points drawn as balls (UsdGeomPoints); ball i is primitive i.
+struct Spheres {
+    std::vector<Ball> balls;
+};
+
+/// Curves as chains of round cones, the convex hulls of two neighbouring balls. Segment k, which is
+/// primitive k, leads from ball k to the next of its curve; the last ball of an open curve begins
+/// none. Made by make_curves (scene/curves.h).
+struct Curves {
+    std::vector<Ball> balls;              ///< curve after curve
+    std::vector<std::uint32_t> firsts;    ///< of each curve its first ball; then the ball count
+    std::vector<std::uint32_t> curve_of;  ///< by ball
+    bool closed = false;  ///< a segment leads from each curve's last ball to its first
+
+    static constexpr std::uint32_t none = 0xffffffffu;
+    /// The ball that segment `k` leads to; `none` where there is no such segment.
+    [[nodiscard]] std::uint32_t next_ball(std::uint32_t k) const {
+        const std::uint32_t curve = curve_of[k];
+        if (k + 1 < firsts[curve + 1]) return k + 1;
+        return closed ? firsts[curve] : none;
+    }
+    /// The segment that begins where segment `k` ends, or `none`.
+    [[nodiscard]] std::uint32_t next_segment(std::uint32_t k) const {
+        const std::uint32_t ball = next_ball(k);
+        return ball == none || next_ball(ball) == none ? none : ball;
+    }
+    /// The segment that ends where segment `k` begins, or `none`.
+    [[nodiscard]] std::uint32_t previous_segment(std::uint32_t k) const {
+        const std::uint32_t curve = curve_of[k];
+        if (k > firsts[curve]) return k - 1;
+        return closed ? firsts[curve + 1] - 1 : none;
+    }
+};
+
 struct Prototype;
 
 using Geometry =
-    std::variant<Quadric, std::shared_ptr<const Mesh>, std::shared_ptr<const Prototype>>;
+    std::variant<Quadric, std::shared_ptr<const Mesh>, std::shared_ptr<const Prototype>,
+                 std::shared_ptr<const Spheres>, std::shared_ptr<const Curves>>;
 
 /// One part of a prototype: geometry (never another prototype) placed in the prototype's space.
 struct Part {

@@ -29,8 +29,10 @@ struct Triangles {
 
 /// One shape of one material.
 struct Surface {
-    Quadric quadric;                             ///< read where `triangles` is null
-    std::shared_ptr<const Triangles> triangles;  ///< null: a quadric
+    Quadric quadric;                             ///< read where the pointers are null
+    std::shared_ptr<const Triangles> triangles;  ///< a mesh, else null
+    std::shared_ptr<const Spheres> spheres;      ///< shape space; null unless spheres
+    std::shared_ptr<const Curves> curves;        ///< shape space; null unless curves
     M44d trace_from_shape, shape_from_trace;     ///< shape: the authored object or part space
     std::uint32_t material = 0;                  ///< slot in Scene::materials()
 };

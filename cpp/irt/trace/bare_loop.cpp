@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "irt/trace/embree.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_primitive.h"
 #include "irt/trace/trees.h"
 
 namespace irt::trace {
@@ -14,9 +14,9 @@ namespace {
 
 void bare_bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& surface = *static_cast<const Surface*>(arguments->geometryUserPtr);
-    const M44d& m = surface.trace_from_shape;
-    const V3f centre(V3d(m[3][0], m[3][1], m[3][2]));
-    const V3f half(quadric_half_extent(surface.quadric, m) * (1 + 1e-5));
+    const Box box = primitive_box(surface, arguments->primID);
+    const V3f centre(box.lower * 0.5 + box.upper * 0.5);
+    const V3f half((box.upper - box.lower) * (0.5 + 1e-5));
     RTCBounds& out = *arguments->bounds_o;
     out.lower_x = centre.x - half.x;
     out.lower_y = centre.y - half.y;
@@ -26,7 +26,7 @@ void bare_bounds(const RTCBoundsFunctionArguments* arguments) {
     out.upper_z = centre.z + half.z;
 }
 
-bool bare_judge(const void* user, const RTCRay& ray, QuadricHit& hit) {
+bool bare_judge(const void* user, unsigned primitive, const RTCRay& ray, Hit& hit) {
     const auto& surface = *static_cast<const Surface*>(user);
     JudgeRay judged;
     const float values[] = {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z};
@@ -35,13 +35,13 @@ bool bare_judge(const void* user, const RTCRay& ray, QuadricHit& hit) {
         judged.direction[a] = static_cast<double>(values[3 + a]);
     }
     judged.t_max = static_cast<double>(ray.tfar);
-    return judge_quadric(surface.quadric, surface.shape_from_trace, judged, hit);
+    return judge_solid(surface, primitive, judged, hit);
 }
 
 void bare_intersect(const RTCIntersectFunctionNArguments* arguments) {
     auto& ray = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
-    QuadricHit hit;
-    if (!bare_judge(arguments->geometryUserPtr, ray.ray, hit)) return;
+    Hit hit;
+    if (!bare_judge(arguments->geometryUserPtr, arguments->primID, ray.ray, hit)) return;
     ray.ray.tfar = static_cast<float>(hit.t);
     ray.hit.geomID = arguments->geomID;
     ray.hit.primID = arguments->primID;
@@ -49,8 +49,8 @@ void bare_intersect(const RTCIntersectFunctionNArguments* arguments) {
 
 void bare_occluded(const RTCOccludedFunctionNArguments* arguments) {
     auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
-    QuadricHit hit;
-    if (bare_judge(arguments->geometryUserPtr, ray, hit))
+    Hit hit;
+    if (bare_judge(arguments->geometryUserPtr, arguments->primID, ray, hit))
         ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
@@ -101,7 +101,7 @@ struct BareLoop::Impl {
     void add(RTCScene to, const Surface& surface) const {
         if (!surface.triangles) {
             GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER));
-            rtcSetGeometryUserPrimitiveCount(geometry.get(), 1);
+            rtcSetGeometryUserPrimitiveCount(geometry.get(), primitive_count(surface));
             rtcSetGeometryUserData(geometry.get(), const_cast<Surface*>(&surface));
             rtcSetGeometryBoundsFunction(geometry.get(), bare_bounds, nullptr);
             rtcSetGeometryIntersectFunction(geometry.get(), bare_intersect);

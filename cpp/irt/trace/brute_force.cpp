@@ -19,8 +19,7 @@ void for_each_hit(const Scene& scene, const Ray& ray, Found&& found) {
         const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
         for (std::uint32_t part = 0; part < parts; ++part) {
             const Surface& surface = object.part(part);
-            const std::size_t primitives =
-                surface.triangles ? surface.triangles->triangles.size() : 1;
+            const std::uint32_t primitives = primitive_count(surface);
             for (std::uint32_t k = 0; k < primitives; ++k) {
                 Hit hit;
                 hit.object = slot;

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "irt/trace/candidate.h"
+#include "irt/trace/judge_primitive.h"
 #include "irt/trace/trees.h"
 
 namespace irt::trace {
@@ -120,36 +121,32 @@ void occlude_packet(const RTCOccludedFunctionNArguments* arguments) {
     });
 }
 
-void intersect_quadric(const RTCIntersectFunctionNArguments* arguments) {
+/// Judges a quadric, ball or segment.
+bool judge_shape(const Shape& shape, std::uint32_t primitive, Query& query, Hit& hit) {
+    query.counts->candidates += 1;
+    if (!judge_solid(shape.surface, primitive, *query.ray, hit)) return false;
+    hit.object = query.instance == none ? shape.object : query.instance;
+    hit.part = shape.part;
+    return true;
+}
+
+void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
     if (!shape.active) return;
     Query& query = query_of(arguments->context);
-    query.counts->candidates += 1;
-    QuadricHit met;
-    if (!judge_quadric(shape.quadric, shape.shape_from_trace, *query.ray, met)) return;
     Hit hit;
-    hit.t = met.t;
-    hit.object = query.instance == none ? shape.object : query.instance;
-    hit.part = shape.part;
-    hit.piece = met.piece;
-    if (take(hit, query))
+    if (judge_shape(shape, arguments->primID, query, hit) && take(hit, query))
         reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray.tfar =
             query.embree_ray.limit(query.reach());
 }
 
-void occlude_quadric(const RTCOccludedFunctionNArguments* arguments) {
+void occlude_solid(const RTCOccludedFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
     if (!shape.active) return;
     Query& query = query_of(arguments->context);
-    query.counts->candidates += 1;
-    QuadricHit met;
-    if (!judge_quadric(shape.quadric, shape.shape_from_trace, *query.ray, met)) return;
     Hit hit;
-    hit.t = met.t;
-    hit.object = query.instance == none ? shape.object : query.instance;
-    hit.part = shape.part;
-    hit.piece = met.piece;
-    if (add_occluder(*query.scene, hit, *query.sum))
+    if (judge_shape(shape, arguments->primID, query, hit) &&
+        add_occluder(*query.scene, hit, *query.sum))
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
@@ -214,7 +211,7 @@ bool aim(const Frame& frame, const Ray& ray, const JudgeRay& judged, EmbreeRay& 
 
 const Callbacks& callbacks() {
     static constexpr Callbacks all{{intersect_packet, occlude_packet},
-                                   {intersect_quadric, occlude_quadric},
+                                   {intersect_solid, occlude_solid},
                                    {intersect_instance, occlude_instance}};
     return all;
 }

@@ -4,23 +4,36 @@
 #pragma once
 
 #include "irt/scene/scene.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_many.h"
 #include "irt/trace/judge_triangle.h"
 #include "irt/trace/ray.h"
 
 namespace irt::trace {
 
-/// Judges triangle `primitive` of `surface`, or its quadric; true where `ray`, in the surface's
-/// trace space, meets it within its limits. Fills t, u, v, primitive and piece of `hit`.
+/// Judges a quadric, ball or segment, as below.
+inline bool judge_solid(const Surface& surface, std::uint32_t primitive, const JudgeRay& ray,
+                        Hit& hit) {
+    const M44d& shape_from_trace = surface.shape_from_trace;
+    SolidHit met;
+    if (surface.spheres) {
+        if (!judge_ball(*surface.spheres, primitive, shape_from_trace, ray, met)) return false;
+    } else if (surface.curves) {
+        if (!judge_segment(*surface.curves, primitive, shape_from_trace, ray, met)) return false;
+    } else if (!judge_quadric(surface.quadric, shape_from_trace, ray, met)) {
+        return false;
+    }
+    hit.t = met.t;
+    hit.primitive = primitive;
+    hit.piece = met.piece;
+    return true;
+}
+
+/// Judges `primitive` of `surface` (a triangle, ball or segment; 0 for a quadric); true where
+/// `ray`, in the surface's trace space, meets it within its limits. Fills t, u, v, primitive and
+/// piece of `hit`.
 inline bool judge_primitive(const Surface& surface, std::uint32_t primitive, const JudgeRay& ray,
                             Hit& hit) {
-    if (!surface.triangles) {
-        QuadricHit met;
-        if (!judge_quadric(surface.quadric, surface.shape_from_trace, ray, met)) return false;
-        hit.t = met.t;
-        hit.piece = met.piece;
-        return true;
-    }
+    if (!surface.triangles) return judge_solid(surface, primitive, ray, hit);
     const Triangles& mesh = *surface.triangles;
     const auto& v = mesh.triangles[primitive];
     TriangleHit met;

@@ -9,6 +9,7 @@
 #include "irt/math/vec.h"
 #include "irt/scene/records.h"
 #include "irt/trace/judge_ray.h"
+#include "irt/trace/round_cone.h"
 
 namespace irt::trace {
 
@@ -16,7 +17,8 @@ namespace irt::trace {
 ///   Sphere: 0. Plane: 0. Cube: 2 * axis + (1 if the positive face).
 ///   Cylinder: 0 side, 1 cap at -height/2, 2 cap at +height/2.
 ///   Cone: 0 side, 1 base. Capsule: 0 side, 1 sphere at -height/2, 2 sphere at +height/2.
-struct QuadricHit {
+///   Frustum as Cylinder, RoundCone as Capsule.
+struct SolidHit {
     double t;
     std::uint8_t piece;
 };
@@ -24,13 +26,10 @@ struct QuadricHit {
 /// The first crossing of the surface with 0 < t < ray.t_max, entering or else leaving. `ray` is in
 /// trace space. A degenerate solid (a length that is zero, negative or NaN) is never hit.
 [[nodiscard]] bool judge_quadric(const Quadric& quadric, const M44d& shape_from_trace,
-                                 const JudgeRay& ray, QuadricHit& hit);
+                                 const JudgeRay& ray, SolidHit& hit);
 
 /// Where `point` (shape space, near the surface) lies on `piece` exactly, and the gradient there
 /// (outward, not of unit length). A plane's outward is +z.
-struct ShapePoint {
-    V3d position, normal;
-};
 [[nodiscard]] ShapePoint on_quadric(const Quadric& quadric, std::uint8_t piece, const V3d& point);
 
 /// Half the extent of the solid's box in trace space, about the image of the shape's origin.

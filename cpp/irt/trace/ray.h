@@ -37,12 +37,12 @@ inline Ray make_ray(const V3f& origin, const V3f& direction,
 inline constexpr std::uint32_t none = 0xffffffffu;
 
 /// A judged hit. `object` is a slot of the scene, `part` a part of its prototype (0 where the
-/// object is no instance), `primitive` a triangle (0 for a quadric).
+/// object is no instance), `primitive` a triangle, ball or segment (0 for a quadric).
 struct Hit {
     double t = std::numeric_limits<double>::infinity();
     double u = 0, v = 0;  ///< triangles: weights of the second and the third vertex
     std::uint32_t object = none, part = 0, primitive = 0;
-    std::uint8_t piece = 0;  ///< quadrics: which surface of the solid (see judge_quadric.h)
+    std::uint8_t piece = 0;  ///< solids: which surface of it (see judge_quadric.h, round_cone.h)
 
     explicit operator bool() const { return object != none; }
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "irt/trace/intersector.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_many.h"
 
 namespace irt::trace {
 namespace {
@@ -102,9 +102,23 @@ void on_triangle(const Surface& surface, const Hit& hit, Local& local) {
 void on_solid(const Surface& surface, const Hit& hit, const V3d& o, const V3d& d, Local& local) {
     const V3d p = transform_point(surface.shape_from_trace, o) +
                   transform_direction(surface.shape_from_trace, d) * hit.t;
-    const ShapePoint on = on_quadric(surface.quadric, hit.piece, p);
-    const Quadric& q = surface.quadric;
-    const double size = std::max({largest(on.position), q.radius, q.height / 2});
+    ShapePoint on;
+    double size = 0;
+    if (surface.spheres) {
+        const ExactBall ball(surface.spheres->balls[hit.primitive]);
+        on = on_ball(ball, p);
+        size = largest(ball.centre) + ball.radius;
+    } else if (surface.curves) {
+        const Curves& curves = *surface.curves;
+        const ExactBall a(curves.balls[hit.primitive]),
+            b(curves.balls[curves.next_ball(hit.primitive)]);
+        on = on_round_cone(a, b, hit.piece, p);
+        size = std::max(largest(a.centre) + a.radius, largest(b.centre) + b.radius);
+    } else {
+        const Quadric& q = surface.quadric;
+        on = on_quadric(q, hit.piece, p);
+        size = std::max({largest(on.position), q.radius, q.radius_top, q.height / 2});
+    }
     local.point = transformed(surface.trace_from_shape, surface.shape_from_trace,
                               {on.position, step_error * size});
     local.geometric = transform_normal(surface.shape_from_trace, on.normal);

@@ -12,7 +12,7 @@ namespace {
 constexpr double frame_room = 1.125;
 
 /// The still tree is rebuilt when what it holds in vain, and what the moving tree holds though it
-/// moves no longer, come to this share of it. Counted in packets, quadrics and instances.
+/// moves no longer, come to this share of it. Counted in packets, solids and instances.
 constexpr double fold_share = 0.25;
 
 float down(double x) {
@@ -26,10 +26,17 @@ float up(double x) {
 
 void bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    const Box box = shape.triangles ? bounds(shape.packets[arguments->primID]) : shape.box;
+    const Box box = shape.triangles ? bounds(shape.packets[arguments->primID])
+                    : shape.group   ? shape.box
+                                    : primitive_box(shape.surface, arguments->primID);
     const Frame& frame = *shape.frame;
     const double pad = frame.pad();
     RTCBounds& out = *arguments->bounds_o;
+    if (box.empty()) {  // what Embree leaves out
+        out.lower_x = out.lower_y = out.lower_z = std::numeric_limits<float>::infinity();
+        out.upper_x = out.upper_y = out.upper_z = -std::numeric_limits<float>::infinity();
+        return;
+    }
     out.lower_x = down(box.lower.x - frame.centre.x - pad);
     out.lower_y = down(box.lower.y - frame.centre.y - pad);
     out.lower_z = down(box.lower.z - frame.centre.z - pad);
@@ -112,13 +119,9 @@ std::unique_ptr<Shape> Trees::make_shape(const Surface& surface, const Shape* pr
     auto shape = std::make_unique<Shape>();
     shape->triangles = surface.triangles;
     if (!surface.triangles) {
-        shape->quadric = surface.quadric;
-        shape->shape_from_trace = surface.shape_from_trace;
-        const M44d& m = surface.trace_from_shape;
-        const V3d centre(m[3][0], m[3][1], m[3][2]);
-        const V3d half = quadric_half_extent(surface.quadric, m);
-        shape->box.extend(centre - half);
-        shape->box.extend(centre + half);
+        shape->surface = surface;
+        for (std::uint32_t k = 0; k < primitive_count(surface); ++k)
+            if (const Box box = primitive_box(surface, k); !box.empty()) shape->box.extend(box);
         return shape;
     }
     const Triangles& triangles = *surface.triangles;
@@ -139,7 +142,7 @@ void Trees::attach_geometry(Shape& shape, const Frame& frame) {
     const Callbacks& all = callbacks();
     const Callbacks::Pair& pair = shape.group       ? all.instance
                                   : shape.triangles ? all.packet
-                                                    : all.quadric;
+                                                    : all.solid;
     shape.geometry.reset(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER));
     RTCGeometry geometry = shape.geometry.get();
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(shape.weight()));

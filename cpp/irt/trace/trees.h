@@ -10,7 +10,7 @@
 #include "irt/trace/embree.h"
 #include "irt/trace/frame.h"
 #include "irt/trace/intersector.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_many.h"
 #include "irt/trace/packets.h"
 
 namespace irt::trace {
@@ -29,14 +29,14 @@ struct Callbacks {
         RTCIntersectFunctionN intersect;
         RTCOccludedFunctionN occluded;
     };
-    Pair packet, quadric, instance;
+    Pair packet, solid, instance;
 };
 const Callbacks& callbacks();
 
 struct Group;
 
-/// What the callbacks read of one geometry of a tree: the packets of a mesh, a quadric, or an
-/// instance of a group.
+/// What the callbacks read of one geometry of a tree: the packets of a mesh; a quadric, or many
+/// balls or segments; or an instance of a group.
 struct Shape {
     const Frame* frame = nullptr;  ///< of the tree it is in
     std::uint32_t object = none;   ///< slot; `none` within a group
@@ -44,8 +44,7 @@ struct Shape {
     bool active = true;  ///< false: the object has changed since; this shape only awaits a rebuild
     bool single_sided = false;  ///< meshes
 
-    Quadric quadric;
-    M44d shape_from_trace;
+    Surface surface;  ///< all but meshes and instances: what their judge reads
 
     std::shared_ptr<const Triangles> triangles;  ///< meshes
     std::vector<Pair> order;
@@ -56,7 +55,10 @@ struct Shape {
 
     Box box;                  ///< trace space, before padding
     GeometryHandle geometry;  ///< null where there is nothing to hit
-    [[nodiscard]] std::size_t weight() const { return triangles ? packets.size() : 1; }
+    /// Primitives that Embree is told of.
+    [[nodiscard]] std::size_t weight() const {
+        return triangles ? packets.size() : primitive_count(surface);
+    }
 };
 
 /// A prototype's own tree.

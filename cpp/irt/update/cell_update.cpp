@@ -454,6 +454,7 @@ trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
     hit.t = node.t;
     hit.object = name.object;
     hit.part = name.part;
+    hit.primitive = name.primitive;
     hit.piece = trees_.points[node.point].piece;
     return hit;
 }

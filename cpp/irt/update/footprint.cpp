@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "irt/mutant.h"
-#include "irt/trace/judge_quadric.h"
+#include "irt/trace/judge_many.h"
 
 namespace irt::update {
 
@@ -107,6 +107,14 @@ V3d half_lengths(const Quadric& q) {
             return {q.radius, q.radius, q.height / 2};
         case QuadricKind::Capsule:
             return {q.radius, q.radius, q.height / 2 + q.radius};
+        case QuadricKind::Frustum: {
+            const double radius = std::max(q.radius, q.radius_top);
+            return {radius, radius, q.height / 2};
+        }
+        case QuadricKind::RoundCone: {
+            const double radius = std::max(q.radius, q.radius_top);
+            return {radius, radius, q.height / 2 + radius};
+        }
         case QuadricKind::Plane:
             return {q.width / 2, q.length / 2, 0};
     }
@@ -153,6 +161,28 @@ void add_oriented_box(const OrientedBox& box, VoxelSet& voxels) {
             }
 }
 
+/// The box of the hull of two balls, one side along it: half axes and centre as rows. A ball of
+/// radius 0 counts: where it alone is there, nothing is.
+M44d box_about(const Ball& a, const Ball& b) {
+    const V3d p(a.centre), q(b.centre);
+    const double radius = static_cast<double>(std::max(a.radius, b.radius));
+    V3d along = q - p;
+    const double length = along.length();
+    along = length > 0 ? along / length : V3d(0, 0, 1);
+    const int least = std::fabs(along.x) < std::fabs(along.y)
+                          ? (std::fabs(along.x) < std::fabs(along.z) ? 0 : 2)
+                          : (std::fabs(along.y) < std::fabs(along.z) ? 1 : 2);
+    V3d unit(0);
+    unit[least] = 1;
+    const V3d side = normalized(along.cross(unit)), other = along.cross(side),
+              centre = p * 0.5 + q * 0.5;
+    const V3d rows[] = {along * (length / 2 + radius), side * radius, other * radius, centre};
+    M44d frame;
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 3; ++c) frame[r][c] = rows[r][c];
+    return frame;
+}
+
 /// Adds what `surface` meets to `voxels`, and its bounds in voxels to `bounds`. `render_from_trace`
 /// is null where trace space is render space.
 void add_surface(const Surface& surface, const M44d* render_from_trace, const VoxelGrid& grid,
@@ -170,22 +200,39 @@ void add_surface(const Surface& surface, const M44d* render_from_trace, const Vo
         }
         return;
     }
-    const V3d half = half_lengths(surface.quadric);
-    OrientedBox box;
-    box.centre = in_voxels(transform_point(surface.trace_from_shape, V3d(0)));
-    for (int a = 0; a < 3; ++a) {
-        V3d corner(0);
-        corner[a] = half[a];
-        box.axes[a] = in_voxels(transform_point(surface.trace_from_shape, corner)) - box.centre;
+    /// Of shape space: `frame`'s rows are the axes and the centre.
+    const auto add = [&](const M44d& frame) {
+        const auto corner = [&](int row) {
+            V3d p(frame[3][0], frame[3][1], frame[3][2]);
+            if (row < 3) p += V3d(frame[row][0], frame[row][1], frame[row][2]);
+            return in_voxels(transform_point(surface.trace_from_shape, p));
+        };
+        OrientedBox box;
+        box.centre = corner(3);
+        for (int a = 0; a < 3; ++a) box.axes[a] = corner(a) - box.centre;
+        for (int a = 0; a < 3; ++a) {
+            V3d unit(0);
+            unit[a] = 1;
+            const double reach = box.reach(unit);
+            bounds.lower[a] = std::min(bounds.lower[a], box.centre[a] - reach);
+            bounds.upper[a] = std::max(bounds.upper[a], box.centre[a] + reach);
+        }
+        add_oriented_box(box, voxels);
+    };
+    if (surface.spheres) {
+        for (const Ball& ball : surface.spheres->balls)
+            if (ball.radius > 0) add(box_about(ball, ball));
+    } else if (surface.curves) {
+        const Curves& curves = *surface.curves;
+        for (std::uint32_t k = 0; k < curves.balls.size(); ++k)
+            if (const std::uint32_t next = curves.next_ball(k); next != Curves::none)
+                add(box_about(curves.balls[k], curves.balls[next]));
+    } else {
+        const V3d half = half_lengths(surface.quadric);
+        M44d frame;
+        for (int a = 0; a < 3; ++a) frame[a][a] = half[a];
+        add(frame);
     }
-    for (int a = 0; a < 3; ++a) {
-        V3d unit(0);
-        unit[a] = 1;
-        const double reach = box.reach(unit);
-        bounds.lower[a] = std::min(bounds.lower[a], box.centre[a] - reach);
-        bounds.upper[a] = std::max(bounds.upper[a], box.centre[a] + reach);
-    }
-    add_oriented_box(box, voxels);
 }
 
 }  // namespace

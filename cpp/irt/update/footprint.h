@@ -14,8 +14,8 @@ void add_object(const ObjectSlot& object, const history::VoxelGrid& grid, histor
                 trace::Box& bounds);
 
 /// Collects the voxels that objects' surfaces meet, each enlarged by VoxelGrid::dilation: triangles
-/// clipped to voxels; of a quadric, the voxels its oriented box meets. A superset, so that the path
-/// of every ray that hits an object meets the regions (DESIGN 3, rule 8).
+/// clipped to voxels; of a quadric, ball or segment, the voxels its oriented box meets. A superset,
+/// so that the path of every ray that hits an object meets the regions (DESIGN 3, rule 8).
 class Footprints {
   public:
     /// `objects`: how many will be added. While they are few each has its own boxes, cut to its own
