@@ -9,10 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from irt_usd.cli.options import ISAS, check_isa, is_verbose, parse_size, verbosity_options
+from irt_usd.cli.options import (
+    ISAS,
+    check_isa,
+    is_verbose,
+    parse_size,
+    shot_options,
+    verbosity_options,
+)
+from irt_usd.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from irt_usd.shot.settings import ShotOptions
 
 _SCENES = ("quadrics", "triangles", "pieces", "instances")
 _PEER_SCENES = ("triangles", "pieces")
@@ -136,6 +146,68 @@ def paper(size: str, folder: Path, repeats: int, json_path: Path | None, quiet: 
             console.print(table)
         for line in remarks(result):
             console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+@bench.command("open")
+@shot_options
+@_repeats_option
+@click.option("--json", "json_path", type=click.Path(path_type=Path), help="Write the figures.")
+@verbosity_options
+def open_command(
+    options: "ShotOptions",
+    repeats: int,
+    json_path: Path | None,
+    strict: bool,  # noqa: ARG001 (what is left out takes no time)
+    quiet: bool,
+) -> None:
+    """Measure the time from a stage's name to its first ray: USD's, irt's own, the core's trees."""
+    from irt_usd.bench.reading import measure_opening
+    from irt_usd.bench.report import machine
+    from irt_usd.shot.output import prepare_output
+
+    if json_path is not None:
+        prepare_output([json_path], "--json", click.echo if is_verbose() else lambda _: None)
+    found = measure_opening(options, repeats, _sayer(quiet))
+    if json_path is not None:
+        _write_json(json_path, {"machine": machine(), **found.to_json()})
+    for name, spread in found.rows():
+        click.echo(f"{name:<28} {spread.median:8.3f} s  ({spread.low:.3f} to {spread.high:.3f})")
+
+
+@bench.command("changes")
+@click.option("--prims", type=click.IntRange(1, 10**6), default=10_000, show_default=True)
+@click.option(
+    "--moving",
+    type=click.IntRange(1, 10**6),
+    default=10,
+    show_default=True,
+    help="Prims that move in every frame.",
+)
+@click.option("--json", "json_path", type=click.Path(path_type=Path), help="Write the figures.")
+@verbosity_options
+def changes_command(
+    prims: int,
+    moving: int,
+    json_path: Path | None,
+    quiet: bool,  # noqa: ARG001 (all that is printed was asked for)
+) -> None:
+    """Measure how long it takes to find what changes in a frame of a stage of many prims."""
+    from irt_usd.bench.reading import measure_changes
+    from irt_usd.bench.report import machine
+    from irt_usd.shot.output import prepare_output
+
+    if moving > prims:
+        raise InputError(f"--moving {moving}: there are {prims} prims; give at most that")
+    if json_path is not None:
+        prepare_output([json_path], "--json", click.echo if is_verbose() else lambda _: None)
+    found = measure_changes(prims, moving)
+    if json_path is not None:
+        _write_json(json_path, {"machine": machine(), **found.to_json()})
+    spread = found.milliseconds
+    click.echo(
+        f"{found.prims} prims, {found.moving} of them moving: the change set of a frame in"
+        f" {spread.median:.2f} ms ({spread.low:.2f} to {spread.high:.2f}, {found.frames} frames)"
+    )
 
 
 def _sayer(quiet: bool) -> Callable[[str], None]:

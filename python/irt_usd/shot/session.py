@@ -78,8 +78,14 @@ class Shot:
 
 def open_shot(options: ShotOptions, report: Report) -> Shot:
     """Opens the stage and settles frames, camera and size. Raises InputError."""
+    if options.frames is not None:
+        parse_frames(options.frames)  # refused before the stage is opened
+    return shot_of(open_stage(options.stage, opening(options), report), options, report)
+
+
+def shot_of(stage: Usd.Stage, options: ShotOptions, report: Report) -> Shot:
+    """The shot of a stage that is open, as `opening` has it. Raises InputError."""
     requested = parse_frames(options.frames) if options.frames is not None else None
-    stage = open_stage(options.stage, opening(options), report)
     frames = requested or _stage_frames(stage, options.stage)
     reader = ShotReader(stage, _reading(options), report, [float(f) for f in frames])
     _mention_range(stage, frames, report)
