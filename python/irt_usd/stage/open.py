@@ -3,7 +3,7 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from irt_usd.stage.diagnostics import (
     one_line,
 )
 from irt_usd.stage.missing import missing_text, report_missing
+from irt_usd.stage.packages import package_fault
 
 _EXTENSIONS = ".usd, .usda, .usdc or .usdz"
 
@@ -148,6 +149,23 @@ def _check_file(path: str) -> None:
         path.encode()
     except UnicodeEncodeError:
         raise InputError(f"{path}: its name is not UTF-8, as USD needs it; rename it") from None
+    fault = package_fault(path) if _is_package(path) else None
+    if fault is not None:
+        raise InputError(f"{path}: a damaged package: {fault}; write it again")
+
+
+def _is_package(path: str) -> bool:
+    return path.lower().endswith(".usdz")
+
+
+def _damaged_packages(stage: Usd.Stage) -> Iterator[str]:
+    """What is wrong with packages that the stage is composed of."""
+    files = {layer.realPath for layer in stage.GetUsedLayers()}
+    outer = {Ar.SplitPackageRelativePathOuter(file)[0] for file in files}
+    for file in sorted(filter(_is_package, outer)):
+        fault = package_fault(file)
+        if fault is not None:
+            yield f"{file}: a damaged package: {fault}; write it again"
 
 
 def _open_layer(path: str) -> Sdf.Layer:
@@ -173,6 +191,9 @@ def _deal_with_errors(path: str, stage: Usd.Stage, policy: MissingAsset, report:
             lost.setdefault(kind, {})[text] = None
     if errors:
         raise InputError(_composition_failure(path, errors))
+    damaged = list(_damaged_packages(stage))
+    if damaged:
+        raise InputError("\n  ".join([f"{path}: packages that cannot be used:", *damaged]))
     if policy == "fail":
         lost = {" and ".join(lost): {text: None for texts in lost.values() for text in texts}}
     for kind, texts in lost.items():
@@ -239,5 +260,9 @@ def _composition_failure(path: str, errors: list[Pcp.ErrorBase]) -> str:
         message = one_line(str(error)).rstrip(".")
         located = _LOCATED.search(message)
         file = f"{located[1]}:{located[2]}:{located[3]}: " if located else ""
+        named = _LOST_ARC.search(message)
+        if named and _is_package(named[1]) and Path(named[1]).exists():
+            message = f"@{named[1]}@ is a damaged package: {package_fault(named[1])}"
+            advice = "write it again"
         lines[f"{file}prim <{error.rootSite.path}>: {message}; {advice}"] = None
     return "\n  ".join([f"{path}: the stage does not compose:", *lines])
