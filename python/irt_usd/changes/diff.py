@@ -15,6 +15,7 @@ from irt_usd.stage.values import Value, same_bits
 
 if TYPE_CHECKING:
     from irt_usd import _core
+    from irt_usd.stage.graph import TextureReference, TextureSource
 
 _S = TypeVar("_S", ObjectState, MaterialState, LightState)
 
@@ -80,6 +81,7 @@ class ChangeList:
         from irt_usd import _core
 
         changes = _core.ChangeSet()
+        self._load_textures()
         for pairs, remove in (
             (self._materials, changes.remove_material),
             (self._objects, changes.remove_object),
@@ -91,6 +93,15 @@ class ChangeList:
                 else:
                     pair.new.add_to(changes)
         return changes
+
+    def _load_textures(self) -> None:
+        """Decodes together, rather than one by one, what the changed materials show."""
+        wanted: dict[TextureSource, set[TextureReference]] = {}
+        for pair in self._materials.values():
+            if pair.new is not None and pair.new.textures is not None:
+                wanted.setdefault(pair.new.textures, set()).update(pair.new.surface.textures)
+        for textures, references in wanted.items():
+            textures.load(references)
 
     def summary(self) -> str:
         """Short text such as "3 moved, 1 material, 1 light energy"."""
@@ -157,7 +168,9 @@ def _attribute_changes(
 ) -> Iterator[Change]:
     same_aim = _only_energy(old, new)
     for name, before, after in differences:
-        yield Change(path, name, before, after, invalidates(old, new, name, same_aim))
+        # What a material's other shaders say is named by whole paths.
+        prim, attribute = name.rsplit(".", 1) if name.startswith("/") else (path, name)
+        yield Change(prim, attribute, before, after, invalidates(old, new, name, same_aim))
 
 
 def _whole_change(

@@ -3,10 +3,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
+from irt_usd.memory import free_memory
 
 MAX_SIDE = 65536
 """Pixels; wider images are taken for slips of the keyboard."""
@@ -79,12 +79,3 @@ def check_film_size(size: tuple[int, int], aovs: Sequence[str]) -> None:
             f" {free / 2**30:.1f} GiB of memory are free; at most about"
             f" {int(width * shrink)}x{int(height * shrink)} fits"
         )
-
-
-def free_memory() -> int:
-    """Bytes that can be had without swapping."""
-    fields = dict(
-        line.split(":", 1)
-        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    )
-    return int(fields["MemAvailable"].split()[0]) * 1024

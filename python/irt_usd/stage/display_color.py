@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The material of what has none: displayColor and displayOpacity, as constants."""
+"""The material of what has none: displayColor and displayOpacity, in every interpolation."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from irt_usd.images.color import Conversion
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
-from irt_usd.stage.graph import DEFAULTS, Surface
+from irt_usd.stage.color import StageColors
+from irt_usd.stage.graph import DEFAULTS, Node, Surface, TextureReference
 from irt_usd.stage.snapshot import MaterialState
 from irt_usd.stage.values import Value, finite, same_bits
 
 DEFAULT_MATERIAL = "irt:default"
 """Name of UsdPreviewSurface's defaults: no binding, no displayColor. Not a prim path."""
+
+_INPUTS = {"displayColor": "diffuseColor", "displayOpacity": "opacity"}
 
 
 def default_material() -> MaterialState:
@@ -20,49 +27,79 @@ def default_material() -> MaterialState:
 
 
 class DisplayColorSource:
-    """Reads the display primvars of one prim, its own or inherited, into a material of its own."""
+    """Reads the display primvars of one prim, its own or inherited, into a material of its own.
 
-    def __init__(self, prim: Usd.Prim, report: Report) -> None:
+    Constant ones, and those of a single value, are the material's constants; the shape reads the
+    others, as it reads any primvar.
+    """
+
+    def __init__(self, prim: Usd.Prim, report: Report, colors: StageColors) -> None:
         self.path = f"{prim.GetPath()}.primvars:displayColor"
         self._report = report
-        primvars = UsdGeom.PrimvarsAPI(prim)
-        self._color = primvars.FindPrimvarWithInheritance("displayColor")
-        self._opacity = primvars.FindPrimvarWithInheritance("displayOpacity")
+        api = UsdGeom.PrimvarsAPI(prim)
+        found = {name: api.FindPrimvarWithInheritance(name) for name in _INPUTS}
+        authored = {n: p for n, p in found.items() if p and p.HasAuthoredValue()}
+        self.primvars = frozenset(n for n, p in authored.items() if _varies_over_surface(p))
+        """Names of the primvars that the shape has to have."""
+        self._constant = {n: p for n, p in authored.items() if n not in self.primvars}
+        color = authored.get("displayColor")
+        self._conversion = colors.to_rendering(color.GetAttr()) if color else None
         self._state: MaterialState | None = None
-        self.varies = any(
-            primvar.HasAuthoredValue() and primvar.ValueMightBeTimeVarying()
-            for primvar in (self._color, self._opacity)
-            if primvar
-        )
+        self.varies = any(p.ValueMightBeTimeVarying() for p in self._constant.values())
+        """Whether the material can differ between frames."""
+
+    def textures(self) -> Mapping[TextureReference, str]:
+        """None."""
+        return MappingProxyType({})
 
     def read(self, time: Usd.TimeCode) -> MaterialState:
         """The material at `time`: the same object while no bit of it changes."""
         if self._state is not None and not self.varies:
             return self._state
-        values: dict[str, Value] = {}
-        values["diffuseColor"] = self._first(self._color, DEFAULTS["diffuseColor"], time)
-        values["opacity"] = self._first(self._opacity, DEFAULTS["opacity"], time)
+        values = {
+            _INPUTS[name]: self._value(primvar, DEFAULTS[_INPUTS[name]], time)
+            for name, primvar in self._constant.items()
+        }
+        links = {
+            _INPUTS[name]: f"<{self.path.split('.')[0]}.primvars:{name}>" for name in self.primvars
+        }
+        attributes: dict[str, Value] = {**DEFAULTS, **values, **links}
         if self._state is None or not all(
-            same_bits(values[name], self._state.attributes[name]) for name in values
+            same_bits(attributes[name], self._state.attributes[name]) for name in attributes
         ):
-            self._state = MaterialState(self.path, {**DEFAULTS, **values}, Surface(values))
+            self._state = MaterialState(self.path, attributes, self._surface(values))
         return self._state
 
-    def _first(self, primvar: UsdGeom.Primvar, default: Value, time: Usd.TimeCode) -> Value:
-        authored = primvar.ComputeFlattened(time) if primvar else None
+    def _surface(self, values: Mapping[str, Value]) -> Surface:
+        constants = dict(values)
+        color = constants.get("diffuseColor")
+        if self._conversion is not None and isinstance(color, tuple):
+            constants["diffuseColor"] = self._conversion.color(color)
+        nodes: list[Node] = []
+        connected = {}
+        if "displayColor" in self.primvars:
+            nodes.append(_primvar("displayColor"))
+            nodes += _converted(self._conversion)
+            connected["diffuseColor"] = (len(nodes) - 1, "rgb")
+        if "displayOpacity" in self.primvars:
+            nodes.append(_primvar("displayOpacity"))
+            connected["opacity"] = (len(nodes) - 1, "r")
+        return Surface(constants, tuple(nodes), connected)
+
+    def _value(self, primvar: UsdGeom.Primvar, default: Value, time: Usd.TimeCode) -> Value:
+        authored = primvar.ComputeFlattened(time)
         if authored is None:
             return default
         array = np.asarray(authored)
         shape = (3,) if isinstance(default, tuple) else ()
         prim, name = primvar.GetAttr().GetPrim(), str(primvar.GetAttr().GetName())
-        if array.ndim == 0 or array.dtype.kind != "f" or array.shape[1:] != shape:
+        if array.ndim == len(shape):
+            array = array[np.newaxis]
+        if array.dtype.kind != "f" or array.shape[1:] != shape:
             self._report.skipped(f"{name} is of the wrong type", where(prim, name, time))
             return default
         if len(array) == 0:
             return default
-        if primvar.GetInterpolation() != UsdGeom.Tokens.constant and (array != array[0]).any():
-            kind = f"{primvar.GetPrimvarName()} varying over a surface (first value rendered)"
-            self._report.unsupported(kind, str(prim.GetPath()))
         value: Value = tuple(array[0].tolist()) if shape else float(array[0])
         opaque = float("inf") if shape else 1.0
         if not finite(value) or np.min(array[0]) < 0 or np.max(array[0]) > opaque:
@@ -70,3 +107,25 @@ class DisplayColorSource:
             self._report.skipped(f"{message}; its default is rendered", where(prim, name, time))
             return default
         return value
+
+
+def _varies_over_surface(primvar: UsdGeom.Primvar) -> bool:
+    """Whether it is not constant, and has several values at some time."""
+    if primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+        return False
+    times = [Usd.TimeCode.EarliestTime(), *map(Usd.TimeCode, primvar.GetTimeSamples())]
+    return any(len(primvar.ComputeFlattened(time) or ()) > 1 for time in times)
+
+
+def _primvar(name: str) -> Node:
+    default = DEFAULTS[_INPUTS[name]]
+    assert isinstance(default, (float, tuple))
+    return Node("primvar", (-1,), (default,), primvar=name)
+
+
+def _converted(conversion: Conversion | None) -> list[Node]:
+    """Nodes that take the colour of the node 0 to the rendering space."""
+    if conversion is None or conversion.matrix is None:
+        return []
+    rows = [Node("dot", (0, -1), (0.0, tuple(row))) for row in conversion.matrix.tolist()]
+    return [*rows, Node("combine", (1, 2, 3, -1), (0.0, 0.0, 0.0, 1.0))]

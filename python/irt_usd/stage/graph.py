@@ -4,7 +4,7 @@
 It mirrors the core's record, but for textures, which are references here and texels there.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
@@ -13,7 +13,8 @@ from irt_usd.stage.values import Value
 if TYPE_CHECKING:
     from irt_usd import _core
 
-Wrap = Literal["black", "clamp", "repeat", "mirror"]
+WrapMode = Literal["black", "clamp", "repeat", "mirror"]
+Wrap = WrapMode | Literal["useMetadata"]
 Constant = float | tuple[float, ...]
 """A number fills all four components; a shorter tuple is padded with 0, 0, 1."""
 
@@ -108,8 +109,16 @@ class Surface:
 class TextureSource(Protocol):
     """Where the texels of a reference come from."""
 
-    def texture(self, reference: TextureReference) -> Any:
+    def load(self, references: Collection[TextureReference]) -> None:
+        """Decodes those of `references` that are not yet, together."""
+
+    def texture(self, reference: TextureReference) -> "_core.Texture | None":
         """The decoded texture, the same one at every call; None: its fallback is rendered."""
+
+    def wrap(
+        self, reference: TextureReference, wrap: tuple[Wrap, Wrap]
+    ) -> tuple[WrapMode, WrapMode]:
+        """`wrap` with what the file says in the place of useMetadata."""
 
 
 def core_material(surface: Surface, textures: TextureSource | None = None) -> "_core.Material":
@@ -125,16 +134,17 @@ def core_material(surface: Surface, textures: TextureSource | None = None) -> "_
     return _core.Material(**values)
 
 
-def _core_node(node: Node, textures: TextureSource | None) -> Any:
+def _core_node(node: Node, textures: TextureSource | None) -> "_core.ShadeNode":
     from irt_usd import _core
 
-    core: Any = _core
-    make = core.ShadeNode
+    make = _core.ShadeNode
     if node.texture is None:
         return make(
             node.op, node.inputs, node.constants, primvar=node.primvar, swizzle=node.swizzle
         )
     texture = textures.texture(node.texture) if textures is not None else None
     if texture is None:
-        return make("constant", (), (node.constants[1],))
-    return make(node.op, node.inputs, node.constants, texture=texture, wrap=node.wrap)
+        return make("constant", node.inputs[1:], node.constants[1:])
+    assert textures is not None
+    wrap = textures.wrap(node.texture, node.wrap)
+    return make(node.op, node.inputs, node.constants, texture=texture, wrap=wrap)

@@ -7,21 +7,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
-from pxr import Sdf, Usd, UsdShade
+from pxr import Usd
 
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
+from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
 from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
+from irt_usd.stage.color import StageColors
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
-from irt_usd.stage.display_color import (
-    DEFAULT_MATERIAL,
-    DisplayColorSource,
-    default_material,
-)
-from irt_usd.stage.graph import DEFAULTS, Surface
 from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
-from irt_usd.stage.materials import MaterialSource, bound_materials, preview_surface
+from irt_usd.stage.material_set import MaterialSet
+from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource
 from irt_usd.stage.quadrics import QuadricSource
@@ -55,6 +52,8 @@ class ReadOptions:
     of UsdGeom's are rendered; None: the render settings', or default and render. `camera_light`:
     whether a stage without a light that irt renders gets one at the camera. `size`: width and
     height in pixels. `missing_asset`: what becomes of a shot whose files are not all there.
+    `texture_memory`: bytes that textures may take. `textures`: those of another reader of the same
+    stage.
     """
 
     camera: str | None = None
@@ -62,6 +61,8 @@ class ReadOptions:
     camera_light: bool = True
     size: tuple[int, int] | None = None
     missing_asset: MissingAsset = "fail"
+    texture_memory: int | None = None
+    textures: TextureLibrary | None = None
 
 
 class _Placed(Protocol[_State]):
@@ -72,15 +73,6 @@ class _Placed(Protocol[_State]):
     def varies(self) -> bool: ...
 
     def read(self, time: Usd.TimeCode) -> _State | None: ...
-
-
-class _MaterialLike(Protocol):
-    path: str
-
-    @property
-    def varies(self) -> bool: ...
-
-    def read(self, time: Usd.TimeCode) -> MaterialState: ...
 
 
 class ShotReader:
@@ -132,8 +124,15 @@ class ShotReader:
             self._report.mentioned("no lights that irt renders: a light at the camera instead")
         elif not found.lights:
             self._report.mentioned("no lights that irt renders, and none at the camera")
-        self._materials: list[_MaterialLike] = []
+        colors = StageColors(self._stage, self._report)
+        self.textures = options.textures or TextureLibrary(
+            colors.spaces, self._report, options.texture_memory
+        )
+        """The texels of all materials."""
+        self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._objects = self._bind(found.objects)
+        if options.textures is None:
+            self._find_textures()
         self._snapshot: Snapshot | None = None
         with self._camera_errors():
             self.camera_moves = self._find_camera_moves(frames)
@@ -165,12 +164,10 @@ class ShotReader:
         hidden = set(old.hidden) if old else set()
         objects = _seen(self._objects, time, hidden, self._report)
         changed_lights = _seen(self._lights, time, hidden, self._report)
-        materials = {m.path: self._read_material(m, time) for m in self._materials}
+        materials = self._materials.read(time)
         if old is None:
-            materials[DEFAULT_MATERIAL] = default_material()
             self._objects = [s for s in self._objects if s.varies]
             self._lights = [s for s in self._lights if s.varies]
-            self._materials = [s for s in self._materials if s.varies]
         if self.camera_light and (old is None or old.camera is not camera):
             changed_lights[CAMERA_LIGHT] = camera_light(camera)
         lights = _updated(old.lights if old else {}, changed_lights)
@@ -190,50 +187,29 @@ class ShotReader:
 
     def _bind(self, nodes: Sequence[Node]) -> list[ObjectSource]:
         """Sources of the objects, and (in passing) of every material they wear."""
-        wearable: dict[str, bool] = {}
         sources = []
         skins = Skins(self._hierarchy, self._report)
         bindings = bound_materials([node.prim for node in nodes], self._report)
-        for node, (material_path, material) in zip(nodes, bindings, strict=True):
-            name = str(material_path)
-            if material is not None and name not in wearable:
-                source = attempt(
-                    partial(_material_source, material, self._report),
-                    material.GetPrim(),
-                    self._report,
-                )
-                wearable[name] = source is not None
-                if source is not None:
-                    self._materials.append(source)
-            if not wearable.get(name, False):
-                name = self._display_material(node)
+        for node, (_, material) in zip(nodes, bindings, strict=True):
+            name, wanted = self._materials.worn(node, material)
             skin = attempt(partial(skins.skin, node), node.prim, self._report)
-            shape = attempt(partial(self._shape_source, node, skin), node.prim, self._report)
+            make = partial(self._shape_source, node, wanted, skin)
+            shape = attempt(make, node.prim, self._report)
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report, skin))
         return sources
 
-    def _shape_source(self, node: Node, skin: Skin | None) -> MeshSource | QuadricSource:
+    def _shape_source(
+        self, node: Node, wanted: frozenset[str], skin: Skin | None
+    ) -> MeshSource | QuadricSource:
         if node.prim.GetTypeName() == "Mesh":
-            return MeshSource(node, self._report, frozenset(), skin)
-        return QuadricSource(node, self._report, frozenset())
+            return MeshSource(node, self._report, wanted, skin)
+        return QuadricSource(node, self._report, wanted)
 
-    def _display_material(self, node: Node) -> str:
-        if not node.display_primvars:
-            return DEFAULT_MATERIAL
-        source = attempt(
-            partial(DisplayColorSource, node.prim, self._report), node.prim, self._report
-        )
-        if source is None:
-            return DEFAULT_MATERIAL
-        self._materials.append(source)
-        return source.path
-
-    def _read_material(self, source: _MaterialLike, time: Usd.TimeCode) -> MaterialState:
-        """The material; UsdPreviewSurface's defaults, and reported, where USD fails."""
-        prim = self._stage.GetPrimAtPath(Sdf.Path(source.path).GetPrimPath())
-        state = attempt(partial(source.read, time), prim, self._report)
-        return state if state is not None else MaterialState(source.path, DEFAULTS, Surface())
+    def _find_textures(self) -> None:
+        """Looks at the files of all textures. Raises InputError where they are required."""
+        references = self._materials.references()
+        self.textures.survey(references, self._stage, self._missing_asset, self._file)
 
     def _camera_errors(self) -> AbstractContextManager[None]:
         return usd_errors(f"{self._file}: the camera {self.camera_path}")
@@ -267,12 +243,6 @@ class ShotReader:
                 moves.append(frame)
             previous = camera
         return moves
-
-
-def _material_source(material: UsdShade.Material, report: Report) -> MaterialSource | None:
-    shader = preview_surface(material, report)
-    name = str(material.GetPath())
-    return MaterialSource(name, shader, report) if shader is not None else None
 
 
 def _seen(
