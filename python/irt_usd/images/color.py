@@ -54,13 +54,20 @@ class Conversion:
 
     def color(self, rgb: Sequence[float]) -> tuple[float, float, float]:
         """One colour, converted."""
-        if self.transfer == "linear":
-            vector = np.asarray(rgb, np.float64)
-            converted = vector if self.matrix is None else self.matrix @ vector
-        else:
+        if self.transfer == "baked":
             converted = np.asarray(self.processor.applyRGB([float(v) for v in rgb]))
+        else:
+            vector = np.asarray(rgb, np.float64)
+            if self.transfer == "srgb":
+                vector = np.array([_linear_of_srgb(v) for v in vector])
+            converted = vector if self.matrix is None else self.matrix @ vector
         red, green, blue = (float(v) for v in converted)
         return red, green, blue
+
+
+def _linear_of_srgb(value: float) -> float:
+    """IEC 61966-2-1's decoding."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
 
 
 class ColorSpaces:

@@ -9,6 +9,9 @@ from pxr import Ar
 
 from irt_usd.errors import InputError
 
+_OLDER_NAMES = {"ND_normalmap": "ND_normalmap_float"}
+"""Definitions that later versions of the library call otherwise."""
+
 
 @cache
 def standard_library() -> mx.Document:
@@ -16,6 +19,12 @@ def standard_library() -> mx.Document:
     library = mx.createDocument()
     mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), library)
     return library
+
+
+def definition_of(identifier: str) -> mx.NodeDef | None:
+    """The standard library's definition of a shader identifier, those of older versions too."""
+    name = _OLDER_NAMES.get(identifier, identifier)
+    return standard_library().getNodeDef(name)
 
 
 def read_document(asset: str) -> mx.Document:

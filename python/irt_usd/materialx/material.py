@@ -3,9 +3,10 @@
 
 from pxr import Usd, UsdShade
 
+from irt_usd.materialx.document import definition_of
 from irt_usd.materialx.evaluation import Evaluation, texture_reference
 from irt_usd.materialx.expressions import Value as Expression
-from irt_usd.materialx.network import Link, Network, Port, Step, definition_of
+from irt_usd.materialx.network import Link, Network, Port, Step
 from irt_usd.materialx.surfaces import MODELS
 from irt_usd.report import Report
 from irt_usd.stage.color import StageColors
@@ -20,14 +21,8 @@ _PASSING = {"dot": ("in",), "normalize": ("in",), "mix": ("fg", "bg"), "switch":
 """Nodes whose output is a normal where these inputs are."""
 
 
-def is_materialx(identifier: str) -> bool:
-    """Whether a shader of this identifier is a surface of MaterialX that is rendered."""
-    definition = definition_of(identifier) if identifier.startswith("ND_") else None
-    return definition is not None and definition.getNodeString() in MODELS
-
-
 class MaterialXSource:
-    """Reads one material whose surface is `shader`, for which `is_materialx`."""
+    """Reads one material whose surface is `shader`, for which `is_surface`."""
 
     def __init__(
         self,

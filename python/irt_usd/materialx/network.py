@@ -8,7 +8,7 @@ from typing import Union
 import MaterialX as mx  # noqa: N813
 from pxr import Usd, UsdShade
 
-from irt_usd.materialx.document import standard_library
+from irt_usd.materialx.document import definition_of
 from irt_usd.materialx.operations import is_known
 from irt_usd.materialx.values import usd_value
 from irt_usd.report import Report
@@ -16,9 +16,6 @@ from irt_usd.stage.attributes import where
 from irt_usd.stage.connections import Source, source_of
 from irt_usd.stage.parameters import Parameter
 from irt_usd.stage.values import Value, plain
-
-_OLDER_NAMES = {"ND_normalmap": "ND_normalmap_float"}
-"""Definitions that later versions of the library call otherwise."""
 
 _NUMBERS = {"float": 1, "integer": 1, "boolean": 1, "color3": 3, "vector3": 3, "vector2": 2}
 _NUMBERS |= {"color4": 4, "vector4": 4}
@@ -217,13 +214,6 @@ def expand(step: Step) -> bool:
     inner = _Expansion(step, graph)
     step.expanded = {o.getName(): inner.port(o, Fixed(0.0)) for o in graph.getOutputs()}
     return not inner.unknown
-
-
-def definition_of(identifier: str) -> mx.NodeDef | None:
-    """The standard library's definition of a shader identifier, those of older versions too."""
-    name = _OLDER_NAMES.get(identifier, identifier)
-    found = standard_library().getNodeDef(name)
-    return found if found is not None else None
 
 
 def _default(declared: mx.Input) -> Value:

@@ -9,6 +9,7 @@ docs/materialx.md has the same as a table.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from irt_usd.materialx.document import definition_of
 from irt_usd.materialx.expressions import Expressions, Value, constant
 
 Inputs = Callable[[str], Value]
@@ -259,3 +260,9 @@ MODELS: dict[str, Model] = {
     "surface_unlit": Model(_unlit, "", {}),
 }
 """By MaterialX's node names."""
+
+
+def is_surface(identifier: str) -> bool:
+    """Whether a shader of this identifier is of one of the models."""
+    definition = definition_of(identifier)
+    return definition is not None and definition.getNodeString() in MODELS

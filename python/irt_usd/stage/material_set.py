@@ -13,7 +13,7 @@ from irt_usd.stage.color import StageColors
 from irt_usd.stage.diagnostics import attempt
 from irt_usd.stage.display_color import DEFAULT_MATERIAL, DisplayColorSource, default_material
 from irt_usd.stage.graph import DEFAULTS, Surface, TextureReference
-from irt_usd.stage.materials import preview_surface
+from irt_usd.stage.materials import is_materialx, rendered_surface
 from irt_usd.stage.preview_surface import MaterialSource
 from irt_usd.stage.snapshot import MaterialState
 from irt_usd.stage.transforms import Node
@@ -88,10 +88,14 @@ class MaterialSet:
         return materials
 
     def _make(self, material: UsdShade.Material) -> MaterialLike | None:
-        shader = preview_surface(material, self._report)
+        shader = rendered_surface(material, self._report)
         if shader is None:
             return None
         path = str(material.GetPath())
+        if is_materialx(str(shader.GetIdAttr().Get())):
+            from irt_usd.materialx.material import MaterialXSource
+
+            return MaterialXSource(path, shader, self._report, self._colors, self._textures)
         return MaterialSource(path, shader, self._report, self._colors, self._textures)
 
     def _display_color(self, node: Node) -> MaterialLike | None:

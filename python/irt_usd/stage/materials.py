@@ -9,17 +9,26 @@ from irt_usd.report import Report
 from irt_usd.stage.attributes import where
 from irt_usd.stage.diagnostics import attempt
 
+_RENDER_CONTEXTS = ("mtlx", "")
+"""Of the surfaces that are rendered, the first there is, as Storm has it."""
 
-def preview_surface(material: UsdShade.Material, report: Report) -> UsdShade.Shader | None:
-    """The UsdPreviewSurface shader of `material`; None, reported, if it has none."""
+
+def rendered_surface(material: UsdShade.Material, report: Report) -> UsdShade.Shader | None:
+    """The surface of `material`, MaterialX's or UsdPreviewSurface; None, and reported, if none."""
     path = str(material.GetPath())
-    shader = material.ComputeSurfaceSource()[0]
-    if shader:
-        identifier = shader.GetIdAttr().Get()
-        if identifier == "UsdPreviewSurface":
+    unknown: dict[str, None] = {}
+    for context in _RENDER_CONTEXTS:
+        shader = material.ComputeSurfaceSource(context)[0]
+        identifier = str(shader.GetIdAttr().Get() or "") if shader else ""
+        if identifier == "UsdPreviewSurface" or is_materialx(identifier):
+            for other in unknown:
+                report.unsupported(f"surface shader {other} ({identifier} rendered instead)", path)
             return shader
-        kind = f"surface shader {identifier or 'without an info:id'}"
-        report.unsupported(f"{kind} (displayColor rendered instead)", path)
+        if shader:
+            unknown[identifier or "without an info:id"] = None
+    for identifier in unknown:
+        report.unsupported(f"surface shader {identifier} (displayColor rendered instead)", path)
+    if unknown:
         return None
     others = [o.GetBaseName() for o in material.GetSurfaceOutputs() if o.HasConnectedSource()]
     if others:
@@ -28,6 +37,15 @@ def preview_surface(material: UsdShade.Material, report: Report) -> UsdShade.Sha
     else:
         report.mentioned("material without a surface, displayColor rendered instead", path)
     return None
+
+
+def is_materialx(identifier: str) -> bool:
+    """Whether a shader of this identifier is a surface of MaterialX that is rendered."""
+    if not identifier.startswith("ND_"):
+        return False
+    from irt_usd.materialx.surfaces import is_surface
+
+    return is_surface(identifier)
 
 
 def bound_materials(
