@@ -69,6 +69,7 @@ def shot_options(command: Command) -> Command:
         mask: str | None,
         asset_path: tuple[str, ...],
         missing_asset: MissingAsset,
+        texture_memory: str | None,
         **rest: Any,
     ) -> Any:
         options = ShotOptions(
@@ -83,6 +84,7 @@ def shot_options(command: Command) -> Command:
             _parse_mask(mask) if mask is not None else (),
             asset_path,
             missing_asset,
+            parse_bytes("--texture-memory", texture_memory) if texture_memory else None,
         )
         return command(*args, options=options, **rest)
 
@@ -135,6 +137,12 @@ def shot_options(command: Command) -> Command:
             show_default=True,
             help="Of a layer or texture that is not there: refuse the shot, render without it and"
             " say so once, or say so each time.",
+        ),
+        click.option(
+            "--texture-memory",
+            metavar="SIZE",
+            help="Most that textures may take, such as 512M or 4G: over it their finest levels are"
+            " dropped, the largest first.",
         ),
         click.option("--strict", is_flag=True, help="Refuse what would be left out and reported."),
     )
@@ -215,6 +223,15 @@ def _parse_mask(text: str) -> tuple[str, ...]:
     if not paths:
         raise InputError("--mask: no prim is named; write /World/Chair")
     return paths
+
+
+def parse_bytes(option: str, text: str) -> int:
+    """`4G` as a number of bytes; K, M, G and T count in powers of 1024. Raises InputError."""
+    match = re.fullmatch(r"([0-9]{1,12}(?:\.[0-9]{1,6})?)([kKmMgGtT]?)(?:i?[bB])?", text.strip())
+    size = float(match[1]) * 1024 ** " KMGT".index(match[2].upper() or " ") if match else 0
+    if size < 1:
+        raise InputError(f"{option} {text}: expected a size above 0, such as 512M or 4G")
+    return int(size)
 
 
 def check_isa(isa: str) -> None:

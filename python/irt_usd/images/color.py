@@ -111,13 +111,15 @@ class ColorSpaces:
         return self._conversions[name]
 
     def chromaticities(self) -> tuple[float, ...] | None:
-        """Of the rendering space: x, y of red, green, blue and white, as OpenEXR has them."""
-        if self._raw:
+        """Of the rendering space: x, y of red, green, blue and white, as OpenEXR has them.
+
+        None for Rec.709, and where nothing is known of it. White is D65 as in Rec.709: other whites
+        are adapted to it.
+        """
+        conversion = self.conversion(LINEAR_REC709)
+        if conversion is None or conversion.matrix is None:
             return None
-        to_xyz = np.array(_XYZ_FROM_REC709)
-        matrix = self.conversion(LINEAR_REC709)
-        if matrix is not None and matrix.matrix is not None:
-            to_xyz = to_xyz @ np.linalg.inv(matrix.matrix)
+        to_xyz = np.array(_XYZ_FROM_REC709) @ np.linalg.inv(conversion.matrix)
         corners = [*to_xyz.T, to_xyz.sum(axis=1)]
         return tuple(float(v) for xyz in corners for v in xyz[:2] / xyz.sum())
 

@@ -211,7 +211,8 @@ def _set_metadata(spec: oiio.ImageSpec, metadata: Mapping[str, MetadataValue]) -
             rational = (value.numerator, value.denominator)
             spec.attribute(key, oiio.TypeDesc("rational"), rational)
         elif isinstance(value, tuple):
-            spec.attribute(key, oiio.TypeDesc("matrix"), value)
+            kind = "matrix" if len(value) == 16 else f"float[{len(value)}]"
+            spec.attribute(key, oiio.TypeDesc(kind), value)
         else:
             spec[key] = value
 

@@ -172,15 +172,12 @@ class TextureLibrary:
         pyramids = {r: image.pyramid for r, image in self._images.items() if image is not None}
         self._dropped = levels_to_drop(pyramids, self._limit)
         for reference, count in self._dropped.items():
-            if not count:
-                continue
-            pyramid = pyramids[reference]
-            alone = ", which is larger than the limit by itself"
-            self._report.mentioned(
-                f"--texture-memory: finest levels dropped: {count} of"
-                f" {reference.file} ({pyramid.bytes_without(0) / 2**20:.1f} MiB"
-                f"{alone if pyramid.bytes_without(0) > self._limit else ''})"
-            )
+            if count:
+                alone = pyramids[reference].bytes_without(0) > self._limit
+                which = "textures larger than it by themselves, " if alone else ""
+                self._report.mentioned(
+                    f"--texture-memory: {which}finest levels dropped", f"{reference.file} ({count})"
+                )
 
     def _attempt(self, reference: TextureReference) -> tuple[Any, str]:
         """The texture, or why there is none."""

@@ -36,6 +36,7 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:cameraLight": int(shot.reader.camera_light),
         "irt:purposes": " ".join(shot.reader.purposes),
         "irt:missingAsset": shot.options.missing_asset,
+        "irt:renderingColorSpace": shot.reader.colors.rendering,
         "irt:samples": settings.samples,
         "irt:maxDepth": settings.max_depth,
         "irt:throughputCutoff": settings.throughput_cutoff,
@@ -45,6 +46,11 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:numericFingerprint": _core.numeric_fingerprint(settings.isa),
         "irt:versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
     }
+    chromaticities = shot.reader.colors.chromaticities()
+    if chromaticities is not None:
+        entries["chromaticities"] = chromaticities
+    if shot.options.texture_memory is not None:
+        entries["irt:textureMemory"] = str(shot.options.texture_memory)
     if shot.options.session_layer is not None:
         entries["irt:sessionLayer"] = Path(shot.options.session_layer).name
     if shot.options.mask:

@@ -60,9 +60,8 @@ class Shot:
     def reread(self) -> ShotReader:
         """Another reader of the same frames, which reports to nobody."""
         options = replace(self.options, camera=self.camera_path, size=self.size)
-        return ShotReader(
-            self.stage, _reading(options), Report(), [float(frame) for frame in self.frames]
-        )
+        reading = replace(_reading(options), textures=self.reader.textures)
+        return ShotReader(self.stage, reading, Report(), [float(frame) for frame in self.frames])
 
     def reopened(self, frame: Frame) -> "Shot":
         """The one frame as a shot of its own, read from a new opening of the stage.
@@ -117,6 +116,7 @@ def _reading(options: ShotOptions) -> ReadOptions:
         camera_light=options.camera_light,
         size=options.size,
         missing_asset=options.missing_asset,
+        texture_memory=options.texture_memory,
     )
 
 

@@ -32,8 +32,8 @@ SURFACE_AOVS = tuple(name for name in AOV_NAMES if not name.startswith("irt."))
 class ShotOptions:
     """Which frames of which stage, through which camera; None asks the stage.
 
-    `session_layer`, `mask`, `asset_path` and `missing_asset` are as in OpenOptions, `purposes` as
-    in ReadOptions.
+    `session_layer`, `mask`, `asset_path` and `missing_asset` are as in OpenOptions, `purposes` and
+    `texture_memory` (bytes) as in ReadOptions.
     """
 
     stage: str
@@ -47,6 +47,7 @@ class ShotOptions:
     mask: tuple[str, ...] = ()
     asset_path: tuple[str, ...] = ()
     missing_asset: MissingAsset = "fail"
+    texture_memory: int | None = None
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,10 @@ from math import cbrt, hypot, isfinite, pi, radians, sin
 
 from pxr import Gf, Usd, UsdLux
 
+from irt_usd.images.color import Conversion
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.color import StageColors
 from irt_usd.stage.snapshot import CameraState, LightState, Vector
 from irt_usd.stage.transforms import Node, transform_blame
 from irt_usd.stage.values import Value, finite, matrix_array, same_bits
@@ -58,11 +60,13 @@ CAMERA_LIGHT = "irt:cameraLight"
 class LightSource:
     """Reads one light."""
 
-    def __init__(self, prim: Usd.Prim, node: Node, report: Report) -> None:
+    def __init__(self, prim: Usd.Prim, node: Node, report: Report, colors: StageColors) -> None:
         self.node = node
         self._prim = prim
         self._report = report
         self._kind = str(prim.GetTypeName())
+        self._from_color = colors.to_rendering(prim.GetAttribute("inputs:color"))
+        self._from_blackbody = colors.default
         self._size = _SIZES[self._kind]
         self._attributes = Attributes(
             prim, (*_EMISSION, self._size, "inputs:shadow:enable"), report, node.in_clips
@@ -135,10 +139,10 @@ class LightSource:
             scale = values["inputs:intensity"] * 2.0 ** values["inputs:exposure"] * factor  # type: ignore[operator]
         except OverflowError:
             scale = float("inf")
-        color = Gf.Vec3d(*values["inputs:color"])  # type: ignore[misc]
+        color = Gf.Vec3d(*_converted(self._from_color, values["inputs:color"]))  # type: ignore[arg-type]
         if values["inputs:enableColorTemperature"]:
             temperature = UsdLux.BlackbodyTemperatureAsRgb(values["inputs:colorTemperature"])
-            color = Gf.CompMult(color, Gf.Vec3d(temperature))
+            color = Gf.CompMult(color, Gf.Vec3d(*_converted(self._from_blackbody, temperature)))
         energy = (color[0] * scale, color[1] * scale, color[2] * scale)
         if not all(map(_single, energy)):
             message = "the light's energy exceeds single precision; lower intensity and exposure"
@@ -213,6 +217,10 @@ def _sphere_factor(values: dict[str, Value], world: Gf.Matrix4d) -> float:
     # Seven digits: what a rotation leaves of the determinant's last bits is no change of size.
     scale = float(f"{cbrt(abs(world.GetDeterminant3())):.7g}")
     return pi * (float(values["inputs:radius"]) * scale) ** 2  # type: ignore[arg-type]
+
+
+def _converted(conversion: Conversion | None, color: Vector) -> Vector:
+    return color if conversion is None else conversion.color(color)
 
 
 def _unit(v: Vector) -> Vector | None:

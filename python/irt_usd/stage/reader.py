@@ -112,8 +112,11 @@ class ShotReader:
         """Those of UsdGeom's that are rendered."""
         found = survey(self._stage, self.purposes, self._report)
         self._hierarchy = found.hierarchy
+        colors = StageColors(self._stage, self._report)
+        self.colors = colors.spaces
+        """What leads to the rendering space."""
         lights = [
-            attempt(partial(LightSource, n.prim, n, self._report), n.prim, self._report)
+            attempt(partial(LightSource, n.prim, n, self._report, colors), n.prim, self._report)
             for n in found.lights
         ]
         self._lights = [light for light in lights if light is not None]
@@ -124,7 +127,6 @@ class ShotReader:
             self._report.mentioned("no lights that irt renders: a light at the camera instead")
         elif not found.lights:
             self._report.mentioned("no lights that irt renders, and none at the camera")
-        colors = StageColors(self._stage, self._report)
         self.textures = options.textures or TextureLibrary(
             colors.spaces, self._report, options.texture_memory
         )
