@@ -11,8 +11,13 @@ CAMERA = "/framing_camera"
 _FOCAL_LENGTH, _APERTURE = 35.0, 20.955
 
 
-def framing_layer(stage: Usd.Stage, folder: Path, time: float) -> Path:
-    """Writes a session layer for `stage` with a camera that sees its bound at `time`, at 4:3."""
+def framing_layer(
+    stage: Usd.Stage, folder: Path, time: float, towards: Gf.Vec3d | None = None
+) -> Path:
+    """Writes a session layer for `stage` with a camera that sees its bound at `time`, at 4:3.
+
+    `towards`: from its middle to the camera; by default a corner above and before it.
+    """
     purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
     cache = UsdGeom.BBoxCache(time, purposes, useExtentsHint=False)
     box = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
@@ -20,7 +25,8 @@ def framing_layer(stage: Usd.Stage, folder: Path, time: float) -> Path:
         box = Gf.Range3d(Gf.Vec3d(-1), Gf.Vec3d(1))
     radius = max(box.GetSize().GetLength() / 2, 1e-3)
     up = UsdGeom.GetStageUpAxis(stage)
-    towards = Gf.Vec3d(0.5, 0.5, 1) if up == "Y" else Gf.Vec3d(0.5, -1, 0.5)
+    if towards is None:
+        towards = Gf.Vec3d(0.5, 0.5, 1) if up == "Y" else Gf.Vec3d(0.5, -1, 0.5)
     distance = 1.2 * radius / np.sin(np.arctan(0.75 * _APERTURE / 2 / _FOCAL_LENGTH))
     eye = box.GetMidpoint() + towards.GetNormalized() * distance
     axis = Gf.Vec3d(0, 1, 0) if up == "Y" else Gf.Vec3d(0, 0, 1)
