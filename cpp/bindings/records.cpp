@@ -67,12 +67,14 @@ std::vector<float> numbers(const Array<float>& a, const char* name) {
     return {a.data(), a.data() + a.shape(0)};
 }
 
-SpheresPointer make_spheres(const Array<float>& points, const Array<float>& widths) {
+SpheresPointer make_spheres(const Array<float>& points, const Array<float>& widths,
+                            const std::map<std::string, PrimvarTuple>& primvars) {
     const std::vector<V3f> centres = vectors(points, "points");
     const std::vector<float> diameters = numbers(widths, "widths");
     if (diameters.size() != 1 && diameters.size() != centres.size())
         throw py::value_error("widths must be one, or one a point");
     auto spheres = std::make_shared<Spheres>();
+    spheres->primvars = make_primvars(primvars);
     spheres->balls.reserve(centres.size());
     for (std::size_t i = 0; i < centres.size(); ++i)
         spheres->balls.push_back({centres[i], diameters[diameters.size() == 1 ? 0 : i] / 2});
@@ -91,16 +93,16 @@ constexpr const char* wrap_names[] = {"nonperiodic", "periodic", "pinned"};
 
 CurvesPointer make_curves(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
                           const Array<float>& widths, const std::string& widths_interpolation,
-                          const std::string& basis, const std::string& wrap, int segments) {
+                          const std::string& basis, const std::string& wrap, int segments,
+                          const std::map<std::string, PrimvarTuple>& primvars) {
     ControlCurves curves;
     curves.basis = named<CurveBasis>(basis, basis_names, "basis");
     curves.wrap = named<CurveWrap>(wrap, wrap_names, "wrap");
     curves.points = vectors(points, "points");
     curves.vertex_counts = integers(vertex_counts, "curve_vertex_counts");
     curves.widths = numbers(widths, "widths");
-    curves.widths_interpolation = widths_interpolation == "varying"
-                                      ? Interpolation::FaceVarying
-                                      : interpolation_named(widths_interpolation);
+    curves.widths_interpolation = interpolation_named(widths_interpolation);
+    curves.primvars = make_primvars(primvars);
     return std::const_pointer_cast<Curves>(irt::make_curves(curves, segments));
 }
 
@@ -185,11 +187,13 @@ void bind_geometry(py::module_& module) {
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
              py::arg("single_sided") = false, py::arg("primvars") = py::dict());
     py::class_<Spheres, SpheresPointer>(module, "Spheres")
-        .def(py::init(&make_spheres), py::arg("points"), py::arg("widths"));
+        .def(py::init(&make_spheres), py::arg("points"), py::arg("widths"),
+             py::arg("primvars") = py::dict());
     py::class_<Curves, CurvesPointer>(module, "Curves")
         .def(py::init(&make_curves), py::arg("points"), py::arg("curve_vertex_counts"),
              py::arg("widths"), py::arg("widths_interpolation") = "constant",
-             py::arg("basis") = "linear", py::arg("wrap") = "nonperiodic", py::arg("segments") = 8);
+             py::arg("basis") = "linear", py::arg("wrap") = "nonperiodic", py::arg("segments") = 8,
+             py::arg("primvars") = py::dict());
     py::class_<Prototype, PrototypePointer>(module, "Prototype")
         .def(py::init(&make_prototype), py::arg("parts"));
 }

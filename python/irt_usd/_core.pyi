@@ -58,15 +58,22 @@ class Mesh:
     ) -> None: ...
 
 class Spheres:
-    """Balls in object space: points (n, 3) float32, widths (1,) or (n,) float32, diameters."""
+    """Balls in object space: points (n, 3) float32, widths (1,) or (n,) float32, diameters;
+    primvars as Mesh takes them, constant, uniform (one value) or vertex (n values)."""
 
-    def __init__(self, points: NDArray[np.float32], widths: NDArray[np.float32]) -> None: ...
+    def __init__(
+        self,
+        points: NDArray[np.float32],
+        widths: NDArray[np.float32],
+        primvars: Primvars = ...,
+    ) -> None: ...
 
 class Curves:
     """Curves as chains of round cones, in object space.
 
     points (n, 3) float32; curve_vertex_counts (c,) int32; widths (k,) float32, diameters, k as
-    `widths_interpolation` asks of UsdGeom's curves; each span of a cubic basis becomes `segments`
+    `widths_interpolation` asks of UsdGeom's curves; primvars as Mesh takes them. "faceVarying"
+    stands for varying, a value at each end of a span. Each span of a cubic basis becomes `segments`
     straight ones. Raises ValueError on counts that do not fit.
     """
 
@@ -75,10 +82,11 @@ class Curves:
         points: NDArray[np.float32],
         curve_vertex_counts: NDArray[np.int32],
         widths: NDArray[np.float32],
-        widths_interpolation: Literal["constant", "uniform", "varying", "vertex"] = "constant",
+        widths_interpolation: Literal["constant", "uniform", "vertex", "faceVarying"] = "constant",
         basis: Literal["linear", "bezier", "bspline", "catmullRom"] = "linear",
         wrap: Literal["nonperiodic", "periodic", "pinned"] = "nonperiodic",
         segments: int = 8,
+        primvars: Primvars = ...,
     ) -> None: ...
 
 class Prototype:

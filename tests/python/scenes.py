@@ -2,11 +2,11 @@
 """Scenes for property tests, as plain values that print in a form they can be read from again.
 
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
-("capsule", ...), ("plane", width, length), ("box", single_sided, corners) or ("pair", radius,
-material), an instance, ("frustum" or "round_cone", radius_bottom, radius_top, height), ("points",
-((x, y, z, width), ...)) or ("curves", basis, wrap, ((x, y, z, width), ...)); a material is the arguments of _core.Material; a light is ("distant",
-direction, irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of
-_core may stand in their place.
+("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
+height), ("box", single_sided, corners), ("points", ((x, y, z, width), ...)), ("curves", basis,
+wrap, ((x, y, z, width), ...)) or ("pair", radius, material), an instance; a material is the
+arguments of _core.Material; a light is ("distant", direction, irradiance, casts_shadows) or
+("point", position, intensity, casts_shadows). Records of _core may stand in their place.
 """
 
 from dataclasses import dataclass, field

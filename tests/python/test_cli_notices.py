@@ -51,7 +51,7 @@ def test_a_notice_stands_before_its_own_frames_row(fading: str, tmp_path: Path) 
 
 
 def test_strict_says_at_once_and_once_what_no_frame_can_have(tmp_path: Path) -> None:
-    stage = write_stage(tmp_path, SHOT + 'def Points "Dust"\n{\n}\n')
+    stage = write_stage(tmp_path, SHOT + 'def Volume "Dust"\n{\n}\n')
     pattern = tmp_path / "out" / "b.#.exr"
     for arguments in (("render", stage, *SIZE, "-o", str(pattern)), ("verify", stage, *SIZE)):
         result = irt(*arguments, "--strict")

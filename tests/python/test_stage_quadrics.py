@@ -7,7 +7,7 @@ import pytest
 from conftest import MakeShot
 from irt_usd import _core as core
 
-KINDS = ["Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane"]
+KINDS = ["Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane", "Cylinder_1", "Capsule_1"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -20,6 +20,8 @@ def test_fallback_sizes(shot: MakeShot, kind: str) -> None:
         "Cone": {"radius": 1.0, "height": 2.0, "axis": "Z"},
         "Capsule": {"radius": 0.5, "height": 1.0, "axis": "Z"},
         "Plane": {"width": 2.0, "length": 2.0, "axis": "Z", "doubleSided": True},
+        "Cylinder_1": {"radiusBottom": 1.0, "radiusTop": 1.0, "height": 2.0, "axis": "Z"},
+        "Capsule_1": {"radiusBottom": 0.5, "radiusTop": 0.5, "height": 1.0, "axis": "Z"},
     }
     assert state.shape.attributes == {"typeName": kind, **sizes[kind]}
 
@@ -103,6 +105,15 @@ def test_a_capsule_without_a_spine_is_a_ball(shot: MakeShot) -> None:
     state = shot('def Capsule "S"\n{\ndouble height = 0\n}').read().objects["/S"]
     state.add_to(core.ChangeSet())  # the core refuses lengths of 0
     assert state.shape.attributes["height"] == 0
+
+
+@pytest.mark.parametrize("kind", ["Cylinder_1", "Capsule_1"])
+def test_of_two_radii_one_may_be_zero(shot: MakeShot, kind: str) -> None:
+    text = f'def {kind} "S"\n{{\ndouble radiusTop = 0\n}}'
+    shot(text).read().objects["/S"].add_to(core.ChangeSet())
+    made = shot(text.replace("}", "double radiusBottom = 0\n}"))
+    assert not made.read().objects
+    assert any("of no size" in notice for notice in made.notices("mentioned"))
 
 
 def test_bad_axis_is_skipped(shot: MakeShot) -> None:

@@ -125,8 +125,8 @@ def test_native_instances_are_objects_of_their_own(shot: MakeShot) -> None:
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
-        ("BasisCurves", "basis curves"),
-        ("Points", "points"),
+        ("HermiteCurves", "Hermite curves"),
+        ("NurbsCurves", "NURBS curves"),
         ("NurbsPatch", "NURBS patches"),
         ("PointInstancer", "point instancers"),
         ("Volume", "volumes"),
@@ -144,7 +144,7 @@ def test_unsupported_prims_are_reported_once_and_the_rest_renders(
 
 
 def test_strict_lists_everything(shot: MakeShot) -> None:
-    body = SPHERE.format("S", "double radius = nan") + 'def Points "P"\n{\n}\n'
+    body = SPHERE.format("S", "double radius = nan") + 'def Volume "P"\n{\n}\n'
     made = shot(body)
     made.read()
     made.report.enforce("refused")
@@ -152,7 +152,7 @@ def test_strict_lists_everything(shot: MakeShot) -> None:
     with pytest.raises(InputError) as refused:
         made.report.enforce("refused")
     assert "/S.radius" in str(refused.value)
-    assert "points: /P" in str(refused.value)
+    assert "volumes: /P" in str(refused.value)
 
 
 def test_notices_are_taken_once() -> None:

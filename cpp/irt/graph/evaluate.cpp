@@ -101,12 +101,23 @@ std::optional<Value> primvar_value(const Site& site, std::string_view name) {
             return out;
         }
     }
+    // Across a ball's or a curve's width no primvar varies; along a curve it is not followed.
+    const auto take = [&](const Primvar& primvar, const PrimvarValue& value) {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(primvar.width); ++i)
+            out[i] = {value[i], 0, 0};
+        return out;
+    };
+    const trace::Hit& hit = site.hit;
+    if (const Spheres* const spheres = site.surface.spheres.get()) {
+        if (const Primvar* const primvar = find_primvar(spheres->primvars, name))
+            return take(*primvar, primvar_at(*spheres, *primvar, hit.primitive));
+    } else if (const Curves* const curves = site.surface.curves.get()) {
+        if (const Primvar* const primvar = find_primvar(curves->primvars, name))
+            return take(*primvar, primvar_at(*curves, *primvar, hit.primitive, hit.u));
+    }
     const Primvar* const primvar = find_primvar(site.object.record.primvars, name);
     if (!primvar) return std::nullopt;
-    const PrimvarValue value = constant_value(*primvar);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(primvar->width); ++i)
-        out[i] = {value[i], 0, 0};
-    return out;
+    return take(*primvar, constant_value(*primvar));
 }
 
 SurfaceValues evaluate(const Material& material, const Site& site) {

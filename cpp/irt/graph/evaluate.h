@@ -20,7 +20,8 @@ struct Site {
     double u_x = 0, v_x = 0, u_y = 0, v_y = 0;
 };
 
-/// A primvar's value: of the mesh, else a constant one of the object. Empty where there is none.
+/// A primvar's value: of the mesh, points or curves, else a constant one of the object. Empty where
+/// there is none.
 [[nodiscard]] std::optional<Value> primvar_value(const Site& site, std::string_view name);
 
 /// All inputs of `material` at `site`, brought within the specification's ranges.

@@ -122,6 +122,21 @@ void check(const Quadric& q, const std::string& path) {
         refuse(path, "the radii must not be negative");
 }
 
+/// Primvars of points or curves: so many uniform elements, so many by ball.
+void check(const Primvars& primvars, std::size_t uniform, std::size_t balls,
+           const std::string& path) {
+    check_names(primvars, path);
+    for (const Primvar& primvar : primvars) {
+        if (primvar.interpolation == Interpolation::FaceVarying)
+            refuse(path, "primvar " + primvar.name + " must be constant, uniform or by vertex");
+        check(primvar,
+              primvar.interpolation == Interpolation::Uniform  ? uniform
+              : primvar.interpolation == Interpolation::Vertex ? balls
+                                                               : 1,
+              path);
+    }
+}
+
 /// `balls` in trace space must be within the range of single precision, which Embree's boxes have.
 void check(const std::vector<Ball>& balls, const M44d& trace_from_shape, const std::string& path) {
     constexpr double most = std::numeric_limits<float>::max();
@@ -241,9 +256,11 @@ Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
         surface.triangles = triangulate(*mesh, trace_from_shape, path);
     } else if (const auto* spheres = std::get_if<std::shared_ptr<const Spheres>>(&geometry)) {
         check((*spheres)->balls, trace_from_shape, path);
+        check((*spheres)->primvars, 1, (*spheres)->balls.size(), path);
         surface.spheres = *spheres;
     } else if (const auto* curves = std::get_if<std::shared_ptr<const Curves>>(&geometry)) {
         check((*curves)->balls, trace_from_shape, path);
+        check((*curves)->primvars, (*curves)->firsts.size() - 1, (*curves)->balls.size(), path);
         surface.curves = *curves;
     } else {
         refuse(path, "a prototype's parts must not be prototypes");

@@ -73,23 +73,40 @@ struct Offsets {
     std::size_t curve = 0, vertex = 0, end = 0;
 };
 
-/// A width at `u` within a span.
-double width_at(const ControlCurves& c, const Spans& spans, const Offsets& first, std::size_t span,
-                double u) {
-    const auto width = [&](std::size_t i) { return static_cast<double>(c.widths[i]); };
-    switch (c.widths_interpolation) {
+/// What `at` gives by element, at `u` within a span.
+template <class At>
+auto value_at(const Spans& spans, Interpolation interpolation, const Offsets& first,
+              std::size_t span, double u, At&& at) {
+    switch (interpolation) {
         case Interpolation::None:
         case Interpolation::Constant:
             break;
         case Interpolation::Uniform:
-            return width(first.curve);
+            return at(first.curve);
         case Interpolation::Vertex:
-            return spans.value(span, u, [&](std::size_t i) { return width(first.vertex + i); });
+            return spans.value(span, u, [&](std::size_t i) { return at(first.vertex + i); });
         case Interpolation::FaceVarying:
-            return width(first.end + span) * (1 - u) +
-                   width(first.end + (span + 1) % spans.ends()) * u;
+            return at(first.end + span) * (1 - u) + at(first.end + (span + 1) % spans.ends()) * u;
     }
-    return width(0);
+    return at(0);
+}
+
+bool by_ball(Interpolation interpolation) {
+    return interpolation == Interpolation::Vertex || interpolation == Interpolation::FaceVarying;
+}
+
+/// Appends a control primvar's value at `u` within a span to that of a ball.
+void add_value(const Primvar& primvar, const Spans& spans, const Offsets& first, std::size_t span,
+               double u, Primvar& refined) {
+    const auto width = static_cast<std::size_t>(primvar.width);
+    for (std::size_t component = 0; component < width; ++component) {
+        const auto at = [&](std::size_t i) {
+            if (!primvar.indices.empty()) i = static_cast<std::size_t>(primvar.indices[i]);
+            return static_cast<double>(primvar.values[i * width + component]);
+        };
+        refined.values.push_back(
+            static_cast<float>(value_at(spans, primvar.interpolation, first, span, u, at)));
+    }
 }
 
 void check(const ControlCurves& c) {
@@ -105,6 +122,18 @@ void check(const ControlCurves& c) {
         throw std::invalid_argument("the sum of the vertex counts is " + std::to_string(vertices) +
                                     ", but there are " + std::to_string(c.points.size()) +
                                     " points");
+    for (const Primvar& primvar : c.primvars) {
+        const auto values =
+            primvar.values.size() / static_cast<std::size_t>(std::max(primvar.width, 1));
+        const auto in_range = [&](std::int32_t i) {
+            return i >= 0 && static_cast<std::size_t>(i) < values;
+        };
+        if ((primvar.indices.empty() ? values : primvar.indices.size()) !=
+                element_count(c, primvar.interpolation) ||
+            !std::all_of(primvar.indices.begin(), primvar.indices.end(), in_range))
+            throw std::invalid_argument("primvar " + primvar.name +
+                                        " has not as many elements as the curves ask for");
+    }
     const std::size_t widths = element_count(c, c.widths_interpolation);
     if (c.widths.size() != widths)
         throw std::invalid_argument("there are " + std::to_string(c.widths.size()) +
@@ -150,13 +179,25 @@ std::shared_ptr<const Curves> make_curves(const ControlCurves& c, int segments) 
     auto out = std::make_shared<Curves>();
     out->closed = c.wrap == CurveWrap::Periodic;
     out->firsts.push_back(0);
+    for (const Primvar& primvar : c.primvars) {
+        Primvar& refined = out->primvars.emplace_back(primvar);
+        if (!by_ball(primvar.interpolation)) continue;
+        refined.interpolation = Interpolation::Vertex;
+        refined.values.clear();
+        refined.indices.clear();
+    }
     Offsets first;
     for (const std::int32_t count : c.vertex_counts) {
         const Spans spans{c.basis, c.wrap, static_cast<std::size_t>(count)};
         const auto add = [&](std::size_t span, double u) {
             const V3d p = spans.value(
                 span, u, [&](std::size_t i) { return V3d(c.points[first.vertex + i]); });
-            const double width = width_at(c, spans, first, span, u);
+            const double width =
+                value_at(spans, c.widths_interpolation, first, span, u,
+                         [&](std::size_t i) { return static_cast<double>(c.widths[i]); });
+            for (std::size_t k = 0; k < c.primvars.size(); ++k)
+                if (by_ball(c.primvars[k].interpolation))
+                    add_value(c.primvars[k], spans, first, span, u, out->primvars[k]);
             out->balls.push_back({V3f(p), static_cast<float>(std::max(width, 0.0) / 2)});
         };
         for (std::size_t span = 0; span < spans.count(); ++span)

@@ -24,6 +24,7 @@ struct ControlCurves {
     std::vector<std::int32_t> vertex_counts;
     std::vector<float> widths;  ///< diameters
     Interpolation widths_interpolation = Interpolation::Constant;
+    Primvars primvars = {};
 };
 
 /// Why a curve of so many vertices has no spans of this basis and wrap, in words that follow "a

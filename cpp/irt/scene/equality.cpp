@@ -29,10 +29,13 @@ bool same(const Quadric& a, const Quadric& b) {
            same_bits(a.length, b.length) && same_bits(a.radius_top, b.radius_top);
 }
 
-bool same(const Spheres& a, const Spheres& b) { return same_bits(a.balls, b.balls); }
+bool same(const Spheres& a, const Spheres& b) {
+    return same_bits(a.balls, b.balls) && same(a.primvars, b.primvars);
+}
 
 bool same(const Curves& a, const Curves& b) {
-    return a.closed == b.closed && same_bits(a.firsts, b.firsts) && same_bits(a.balls, b.balls);
+    return a.closed == b.closed && same_bits(a.firsts, b.firsts) && same_bits(a.balls, b.balls) &&
+           same(a.primvars, b.primvars);
 }
 
 bool same(const Primvars& a, const Primvars& b) {

@@ -61,4 +61,20 @@ PrimvarValue primvar_at(const Triangles& triangles, const Primvar& primvar, std:
     return value;
 }
 
+PrimvarValue primvar_at(const Spheres&, const Primvar& primvar, std::uint32_t ball) {
+    return element(primvar, primvar.interpolation == Interpolation::Vertex ? ball : 0);
+}
+
+PrimvarValue primvar_at(const Curves& curves, const Primvar& primvar, std::uint32_t segment,
+                        double u) {
+    if (primvar.interpolation == Interpolation::Uniform)
+        return element(primvar, curves.curve_of[segment]);
+    if (primvar.interpolation != Interpolation::Vertex) return element(primvar, 0);
+    const PrimvarValue a = element(primvar, segment),
+                       b = element(primvar, curves.next_ball(segment));
+    PrimvarValue value{};
+    for (std::size_t i = 0; i < value.size(); ++i) value[i] = a[i] + (b[i] - a[i]) * u;
+    return value;
+}
+
 }  // namespace irt

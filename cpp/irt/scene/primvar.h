@@ -29,4 +29,9 @@ std::array<PrimvarValue, 3> corner_values(const Triangles& triangles, const Prim
 PrimvarValue primvar_at(const Triangles& triangles, const Primvar& primvar, std::uint32_t triangle,
                         double u, double v);
 
+/// The values at a ball, and at `u` of the way along a segment.
+PrimvarValue primvar_at(const Spheres& spheres, const Primvar& primvar, std::uint32_t ball);
+PrimvarValue primvar_at(const Curves& curves, const Primvar& primvar, std::uint32_t segment,
+                        double u);
+
 }  // namespace irt

@@ -74,6 +74,7 @@ struct Ball {
 /// Points drawn as balls (UsdGeomPoints); ball i is primitive i.
 struct Spheres {
     std::vector<Ball> balls;
+    Primvars primvars = {};  ///< Constant, Uniform (one value) or Vertex (a ball)
 };
 
 /// Curves as chains of round cones, the convex hulls of two neighbouring balls. Segment k, which is
@@ -83,6 +84,7 @@ struct Curves {
     std::vector<Ball> balls;              ///< curve after curve
     std::vector<std::uint32_t> firsts;    ///< of each curve its first ball; then the ball count
     std::vector<std::uint32_t> curve_of;  ///< by ball
+    Primvars primvars = {};               ///< Constant, Uniform (a curve) or Vertex (a ball)
     bool closed = false;  ///< a segment leads from each curve's last ball to its first
 
     static constexpr std::uint32_t none = 0xffffffffu;

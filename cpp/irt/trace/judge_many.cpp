@@ -67,7 +67,13 @@ bool judge_segment(const Curves& curves, std::uint32_t primitive, const M44d& sh
         run.follow(curves, line, [&](auto k) { return curves.previous_segment(k); });
     if (run.first > 0 ? !run.begins : !run.ends) return false;
     hit = run.first > 0 ? SolidHit{own.enter, own.enter_piece} : SolidHit{own.exit, own.exit_piece};
-    return hit.t < ray.t_max;
+    if (!(hit.t < ray.t_max)) return false;
+    const V3d a(curves.balls[primitive].centre),
+        along = V3d(curves.balls[curves.next_ball(primitive)].centre) - a;
+    const double squared = along.dot(along);
+    if (squared > 0)
+        hit.u = std::clamp((point_at(line.o, line.d, hit.t) - a).dot(along) / squared, 0.0, 1.0);
+    return true;
 }
 
 Box ball_box(const Ball& ball, const M44d& trace_from_shape) {

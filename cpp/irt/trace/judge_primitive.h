@@ -23,6 +23,7 @@ inline bool judge_solid(const Surface& surface, std::uint32_t primitive, const J
         return false;
     }
     hit.t = met.t;
+    hit.u = met.u;
     hit.primitive = primitive;
     hit.piece = met.piece;
     return true;

@@ -21,6 +21,7 @@ namespace irt::trace {
 struct SolidHit {
     double t;
     std::uint8_t piece;
+    double u = 0;  ///< of a segment: how far along its axis, 0 to 1
 };
 
 /// The first crossing of the surface with 0 < t < ray.t_max, entering or else leaving. `ray` is in

@@ -40,7 +40,8 @@ inline constexpr std::uint32_t none = 0xffffffffu;
 /// object is no instance), `primitive` a triangle, ball or segment (0 for a quadric).
 struct Hit {
     double t = std::numeric_limits<double>::infinity();
-    double u = 0, v = 0;  ///< triangles: weights of the second and the third vertex
+    /// Triangles: weights of the second and the third vertex. Segments: u along the axis, 0 to 1.
+    double u = 0, v = 0;
     std::uint32_t object = none, part = 0, primitive = 0;
     std::uint8_t piece = 0;  ///< solids: which surface of it (see judge_quadric.h, round_cone.h)
 

@@ -448,7 +448,8 @@ void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t 
 trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
     const Node& node = trees_.nodes[index];
     const trace::HitName& name = node.visible;
-    if (shading_.scene().objects()[name.object].part(name.part).triangles)
+    const Surface& surface = shading_.scene().objects()[name.object].part(name.part);
+    if (surface.triangles || surface.curves)
         return trace::named_hit(shading_.scene(), trees_.ray(index), name);
     trace::Hit hit;
     hit.t = node.t;

@@ -5,12 +5,17 @@ from pxr import Usd
 
 from irt_usd.report import Report
 from irt_usd.stage.attributes import prim_location
+from irt_usd.stage.curves import CurvesShape
 from irt_usd.stage.mesh import MeshShape, MeshSource
+from irt_usd.stage.point_based import PointBasedSource
+from irt_usd.stage.points import PointsShape
 from irt_usd.stage.quadrics import QuadricSource
 from irt_usd.stage.skel import Skin
 from irt_usd.stage.snapshot import ObjectState, Shape
 from irt_usd.stage.transforms import SIXTEEN_DOUBLES, Node, transform_blame, transform_fault
 from irt_usd.stage.values import matrix_array
+
+ShapeSource = MeshSource | PointBasedSource | QuadricSource
 
 _SINGLE_RANGE = 1e38
 """World coordinates beyond it may leave the range of single precision."""
@@ -22,7 +27,7 @@ class ObjectSource:
     def __init__(
         self,
         node: Node,
-        shape: MeshSource | QuadricSource,
+        shape: ShapeSource,
         material: str,
         report: Report,
         skin: Skin | None = None,
@@ -63,7 +68,7 @@ class ObjectSource:
 
     def _build(self, shape: Shape) -> ObjectState | None:
         world = matrix_array(self._place.world)
-        if isinstance(shape, MeshShape):
+        if isinstance(shape, (MeshShape, PointsShape, CurvesShape)):
             largest = max(map(abs, SIXTEEN_DOUBLES.unpack(self._world)))
             reach = largest * (3 * shape.extent + 1)
             if reach > _SINGLE_RANGE:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UsdGeom's exact solids: Sphere, Cube, Cylinder, Cone, Capsule, Plane."""
+"""UsdGeom's exact solids: Sphere, Cube, Cylinder, Cone, Capsule, Plane, and those of two radii."""
 
 from collections.abc import Mapping
 from math import isfinite
@@ -26,6 +26,8 @@ LENGTHS: dict[str, tuple[str, ...]] = {
     "Cone": ("radius", "height"),
     "Capsule": ("radius", "height"),
     "Plane": ("width", "length"),
+    "Cylinder_1": ("radiusBottom", "radiusTop", "height"),
+    "Capsule_1": ("radiusBottom", "radiusTop", "height"),
 }
 """The attributes that give each solid its size, in object units."""
 
@@ -49,6 +51,8 @@ class QuadricShape(Shape):
 
         kind = str(self.attributes["typeName"])
         lengths = [cast("float", self.attributes[name]) for name in LENGTHS[kind]]
+        if kind == "Capsule_1" and self.attributes["height"] == 0:
+            return _core.Quadric.sphere(max(lengths[:2]))
         if kind == "Sphere":
             return _core.Quadric.sphere(*lengths)
         if kind == "Capsule" and self.attributes["height"] == 0:
@@ -58,6 +62,10 @@ class QuadricShape(Shape):
         if kind == "Plane":
             # Along X and Y, UsdGeomPlane's width is where the permutation takes the core's y.
             return _core.Quadric.plane(*(lengths if self._axis == "Z" else reversed(lengths)))
+        if kind == "Cylinder_1":
+            return _core.Quadric.frustum(*lengths)
+        if kind == "Capsule_1":
+            return _core.Quadric.round_cone(*lengths)
         make = {
             "Cylinder": _core.Quadric.cylinder,
             "Cone": _core.Quadric.cone,
@@ -99,6 +107,13 @@ class QuadricSource:
             self._shape = self._build(time)
         return self._shape
 
+    def _may_be_zero(self, length: str) -> bool:
+        """Of capsules the spine, of two radii one."""
+        if length == "height":
+            return self._kind.startswith("Capsule")
+        other = {"radiusTop": "radiusBottom", "radiusBottom": "radiusTop"}.get(length)
+        return other is not None and self._attributes.values[other] != 0
+
     def _build(self, time: Usd.TimeCode) -> Shape | None:
         prim, values = self._attributes.prim, self._attributes.values
         for name in LENGTHS[self._kind]:
@@ -107,8 +122,7 @@ class QuadricSource:
                 wanted = f"the {name} is {length}; expected a positive finite number"
                 self._report.skipped(wanted, where(prim, name, time))
                 return None
-            is_ball = self._kind == "Capsule" and name == "height"
-            if length == 0 and not is_ball:
+            if length == 0 and not self._may_be_zero(name):
                 self._report.mentioned("of no size, so not there", where(prim, name, time))
                 return None
         if values.get("axis", "Z") not in _ROW_OF_CORE_AXIS:

@@ -15,12 +15,14 @@ from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
 from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
 from irt_usd.stage.color import StageColors
+from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
 from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
-from irt_usd.stage.objects import ObjectSource
+from irt_usd.stage.objects import ObjectSource, ShapeSource
+from irt_usd.stage.points import PointsSource
 from irt_usd.stage.quadrics import QuadricSource
 from irt_usd.stage.settings import settings_purposes, settings_size
 from irt_usd.stage.skel import Skin, Skins
@@ -36,6 +38,12 @@ from irt_usd.stage.survey import survey
 from irt_usd.stage.transforms import Node
 
 _DEFAULT_WIDTH = 960
+
+_POINT_BASED: dict[str, type[MeshSource | PointsSource | CurvesSource]] = {
+    "Mesh": MeshSource,
+    "Points": PointsSource,
+    "BasisCurves": CurvesSource,
+}
 
 _MAX_SIDE = 65536
 """Widest and highest image, in pixels: beyond it a request is taken for a slip."""
@@ -201,11 +209,10 @@ class ShotReader:
                 sources.append(ObjectSource(node, shape, name, self._report, skin))
         return sources
 
-    def _shape_source(
-        self, node: Node, wanted: frozenset[str], skin: Skin | None
-    ) -> MeshSource | QuadricSource:
-        if node.prim.GetTypeName() == "Mesh":
-            return MeshSource(node, self._report, wanted, skin)
+    def _shape_source(self, node: Node, wanted: frozenset[str], skin: Skin | None) -> ShapeSource:
+        kind = str(node.prim.GetTypeName())
+        if kind in _POINT_BASED:
+            return _POINT_BASED[kind](node, self._report, wanted, skin)
         return QuadricSource(node, self._report, wanted)
 
     def _find_textures(self) -> None:

@@ -28,7 +28,7 @@ class Shape(ABC):
     """Of shapes without vertices: primvars of one element."""
 
     @abstractmethod
-    def geometry(self) -> "_core.Quadric | _core.Mesh":
+    def geometry(self) -> "_core.Quadric | _core.Mesh | _core.Spheres | _core.Curves":
         """The core's record, made at the first call and shared by later ones."""
 
     def place(self, world_from_object: NDArray[np.float64]) -> NDArray[np.float64]:

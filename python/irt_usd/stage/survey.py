@@ -13,17 +13,15 @@ from irt_usd.stage.diagnostics import attempt
 from irt_usd.stage.transforms import Hierarchy, Node
 
 _NOT_RENDERED = {
-    "BasisCurves": "basis curves",
     "NurbsCurves": "NURBS curves",
     "HermiteCurves": "Hermite curves",
     "NurbsPatch": "NURBS patches",
-    "Points": "points",
     "PointInstancer": "point instancers",
     "TetMesh": "tetrahedral meshes",
     "Volume": "volumes",
-    "Cylinder_1": "cylinders of two radii (Cylinder_1)",
-    "Capsule_1": "capsules of two radii (Capsule_1)",
 }
+
+POINT_BASED = ("Mesh", "Points", "BasisCurves")
 
 _LEAVES = frozenset(("PointInstancer", "Volume", "Material", "NodeGraph", "Shader"))
 """Types whose descendants are theirs to interpret: prototypes, fields, shader nodes."""
@@ -72,7 +70,7 @@ def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey
 
 def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
     prim = node.prim
-    if kind in quadrics.LENGTHS or kind == "Mesh":
+    if kind in quadrics.LENGTHS or kind in POINT_BASED:
         found.objects.append(node)
         found.hierarchy.require(node)
         if prim.HasAPI(UsdLux.LightAPI):
