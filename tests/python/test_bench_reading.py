@@ -36,5 +36,5 @@ def test_open(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "USD opens the stage" in result.output
     found = json.loads(path.read_text())
-    assert len(found["seconds"]) == 3
+    assert len(found["seconds"]) == 4
     assert found["own"]["median"] < found["total"]["median"]
