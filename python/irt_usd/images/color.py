@@ -173,7 +173,7 @@ def _config_file(path: str) -> Any:
 
     try:
         return ocio.Config.CreateFromFile(path)
-    except ocio.Exception as error:
+    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
         raise InputError(
             f"OCIO={path}: no OpenColorIO config can be read there: {error}; mend the file, or"
             " unset OCIO"
@@ -197,7 +197,7 @@ def _processor(source: tuple[Any, str], target: tuple[Any, str]) -> Any:
             found = source[0].getProcessor(source[1], target[1])
         else:
             found = ocio.Config.GetProcessorFromConfigs(*source, *target)
-    except ocio.Exception as error:
+    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
         raise InputError(
             f"OpenColorIO cannot lead {source[1]} to {target[1]}: {error}; mend the config"
         ) from None
