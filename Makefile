@@ -7,8 +7,8 @@ MAKEFLAGS += --no-print-directory
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := setup
 
-SYSTEM_PACKAGES := cmake g++ libembree-dev libgtest-dev libimath-dev libmurmurhash-dev libtbb-dev \
-    libxxhash-dev ninja-build python3-dev python3-venv
+SYSTEM_PACKAGES := cmake g++ libembree-dev libgtest-dev libimath-dev libmurmurhash-dev libosd-dev \
+    libtbb-dev libxxhash-dev ninja-build python3-dev python3-venv
 CHECK_PACKAGES := clang-format
 BENCH_PACKAGES := libllvm19
 

@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "irt/scene/change_set.h"
 #include "irt/scene/curves.h"
+#include "irt/scene/subdivide.h"
 
 namespace irt::bindings {
 
@@ -18,10 +19,11 @@ using Triple = std::array<double, 3>;
 Interpolation interpolation_named(const std::string& name) {
     if (name == "constant") return Interpolation::Constant;
     if (name == "uniform") return Interpolation::Uniform;
+    if (name == "varying") return Interpolation::Varying;
     if (name == "vertex") return Interpolation::Vertex;
     if (name == "faceVarying") return Interpolation::FaceVarying;
     throw py::value_error("interpolation '" + name +
-                          "' is none of constant, uniform, vertex, faceVarying");
+                          "' is none of constant, uniform, varying, vertex, faceVarying");
 }
 
 using PrimvarTuple = std::tuple<std::string, Array<float>, std::optional<Array<std::int32_t>>>;
@@ -47,7 +49,8 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
                       const Array<std::int32_t>& indices,
                       const std::optional<Array<float>>& normals, const std::string& interpolation,
                       bool left_handed, bool single_sided,
-                      const std::map<std::string, PrimvarTuple>& primvars) {
+                      const std::map<std::string, PrimvarTuple>& primvars,
+                      const std::optional<Array<std::int32_t>>& face_materials) {
     auto mesh = std::make_shared<Mesh>();
     mesh->points = vectors(points, "points");
     mesh->face_vertex_counts = integers(counts, "face_vertex_counts");
@@ -59,6 +62,7 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
     mesh->left_handed = left_handed;
     mesh->single_sided = single_sided;
     mesh->primvars = make_primvars(primvars);
+    if (face_materials) mesh->face_materials = integers(*face_materials, "face_materials");
     return mesh;
 }
 
@@ -145,6 +149,62 @@ Quadric two_radii(double bottom, double top, double height) {
     return q;
 }
 
+Array<float> array(const std::vector<V3f>& vectors) {
+    return Array<float>({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}},
+                        reinterpret_cast<const float*>(vectors.data()));
+}
+Array<std::int32_t> array(const std::vector<std::int32_t>& numbers) {
+    return Array<std::int32_t>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+}
+
+template <class T>
+T one_of(const std::string& name, const char* what,
+         const std::vector<std::pair<const char*, T>>& all) {
+    std::string names;
+    for (const auto& [known, value] : all) {
+        if (name == known) return value;
+        names += std::string(names.empty() ? "" : ", ") + known;
+    }
+    throw py::value_error(std::string(what) + " '" + name + "' is none of " + names);
+}
+
+using Integers = Array<std::int32_t>;
+
+std::vector<float> floats(const Array<float>& a) { return {a.data(), a.data() + a.size()}; }
+
+Subdivider make_subdivider(const std::string& scheme, int level, const std::string& boundary,
+                           const std::string& face_varying, const std::string& triangles,
+                           const Integers& crease_indices, const Integers& crease_lengths,
+                           const Array<float>& crease_sharpnesses, const Integers& corner_indices,
+                           const Array<float>& corner_sharpnesses, const Integers& holes) {
+    Subdivision rules;
+    rules.scheme = one_of<SubdivisionScheme>(scheme, "scheme",
+                                             {{"catmullClark", SubdivisionScheme::CatmullClark},
+                                              {"loop", SubdivisionScheme::Loop},
+                                              {"bilinear", SubdivisionScheme::Bilinear}});
+    rules.level = level;
+    rules.boundary = one_of<BoundaryRule>(boundary, "interpolate_boundary",
+                                          {{"none", BoundaryRule::None},
+                                           {"edgeOnly", BoundaryRule::EdgeOnly},
+                                           {"edgeAndCorner", BoundaryRule::EdgeAndCorner}});
+    rules.face_varying = one_of<FaceVaryingRule>(face_varying, "face_varying_linear_interpolation",
+                                                 {{"none", FaceVaryingRule::None},
+                                                  {"cornersOnly", FaceVaryingRule::CornersOnly},
+                                                  {"cornersPlus1", FaceVaryingRule::CornersPlus1},
+                                                  {"cornersPlus2", FaceVaryingRule::CornersPlus2},
+                                                  {"boundaries", FaceVaryingRule::Boundaries},
+                                                  {"all", FaceVaryingRule::All}});
+    rules.smooth_triangles = one_of<bool>(triangles, "triangle_subdivision_rule",
+                                          {{"catmullClark", false}, {"smooth", true}});
+    rules.crease_indices = integers(crease_indices, "crease_indices");
+    rules.crease_lengths = integers(crease_lengths, "crease_lengths");
+    rules.crease_sharpnesses = floats(crease_sharpnesses);
+    rules.corner_indices = integers(corner_indices, "corner_indices");
+    rules.corner_sharpnesses = floats(corner_sharpnesses);
+    rules.hole_indices = integers(holes, "hole_indices");
+    return Subdivider(std::move(rules));
+}
+
 void bind_geometry(py::module_& module) {
     py::class_<Quadric>(module, "Quadric")
         .def_static(
@@ -182,10 +242,32 @@ void bind_geometry(py::module_& module) {
             },
             py::arg("width"), py::arg("length"));
     py::class_<Mesh, MeshPointer>(module, "Mesh")
+        .def_property_readonly("points", [](const Mesh& m) { return array(m.points); })
+        .def_property_readonly("normals", [](const Mesh& m) { return array(m.normals); })
+        .def_property_readonly("face_vertex_counts",
+                               [](const Mesh& m) { return array(m.face_vertex_counts); })
+        .def_property_readonly("face_vertex_indices",
+                               [](const Mesh& m) { return array(m.face_vertex_indices); })
         .def(py::init(&make_mesh), py::arg("points"), py::arg("face_vertex_counts"),
              py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
-             py::arg("single_sided") = false, py::arg("primvars") = py::dict());
+             py::arg("single_sided") = false, py::arg("primvars") = py::dict(),
+             py::arg("face_materials") = py::none());
+    py::class_<Subdivider>(module, "Subdivider")
+        .def(py::init(&make_subdivider), py::kw_only(), py::arg("scheme"), py::arg("level"),
+             py::arg("interpolate_boundary") = "edgeAndCorner",
+             py::arg("face_varying_linear_interpolation") = "cornersPlus1",
+             py::arg("triangle_subdivision_rule") = "catmullClark",
+             py::arg("crease_indices") = Integers(0), py::arg("crease_lengths") = Integers(0),
+             py::arg("crease_sharpnesses") = Array<float>(0),
+             py::arg("corner_indices") = Integers(0),
+             py::arg("corner_sharpnesses") = Array<float>(0), py::arg("hole_indices") = Integers(0))
+        .def(
+            "refine",
+            [](Subdivider& subdivider, const Mesh& cage) {
+                return std::make_shared<Mesh>(subdivider.refine(cage));
+            },
+            py::arg("cage"));
     py::class_<Spheres, SpheresPointer>(module, "Spheres")
         .def(py::init(&make_spheres), py::arg("points"), py::arg("widths"),
              py::arg("primvars") = py::dict());
@@ -241,12 +323,14 @@ void bind_records(py::module_& module) {
             "set_object",
             [](ChangeSet& c, const std::string& path, const py::object& shape,
                const Array<double>& world_from_object, const std::string& material,
-               const std::map<std::string, PrimvarTuple>& primvars) {
+               const std::map<std::string, PrimvarTuple>& primvars,
+               const std::vector<std::string>& face_materials) {
                 c.objects[path] = Object{geometry(shape), matrix(world_from_object), material,
-                                         make_primvars(primvars)};
+                                         make_primvars(primvars), face_materials};
             },
             py::arg("path"), py::arg("geometry"), py::arg("world_from_object"),
-            py::arg("material") = "", py::arg("primvars") = py::dict())
+            py::arg("material") = "", py::arg("primvars") = py::dict(),
+            py::arg("face_materials") = std::vector<std::string>())
         .def(
             "remove_object", [](ChangeSet& c, const std::string& path) { c.objects[path].reset(); },
             py::arg("path"))

@@ -64,6 +64,7 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
     uncommitted_.insert(uncommitted_.end(), applied.geometry.begin(), applied.geometry.end());
     if (!uncommitted_.empty() || first) intersector_.commit(scene_, uncommitted_);
     uncommitted_.clear();
+    intersector_.release_meshes(applied.rebound);
     report.bvh_seconds = watch.lap();
 
     report.traced = true;

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Vec3 = Sequence[float]
 Axis = Literal["X", "Y", "Z"]
 
-Interpolation = Literal["constant", "uniform", "vertex", "faceVarying"]
+Interpolation = Literal["constant", "uniform", "varying", "vertex", "faceVarying"]
 Primvars = Mapping[str, tuple[Interpolation, NDArray[np.float32], NDArray[np.int32] | None]]
 """By name (without "primvars:"): interpolation, values (n, w) float32 with w from 1 to 4, and the
 value of each element, or None where element i is value i."""
@@ -42,7 +42,8 @@ class Mesh:
 
     points (n, 3) float32; face_vertex_counts (f,) int32; face_vertex_indices (c,) int32;
     normals (k, 3) float32 or None for facets, k as `normals_interpolation` asks; of primvars each
-    has as many elements as its interpolation asks.
+    has as many elements as its interpolation asks. face_materials (f,) int32: -1, the object's
+    material, or an index into its face_materials; None: all -1.
     """
 
     def __init__(
@@ -55,7 +56,43 @@ class Mesh:
         left_handed: bool = False,
         single_sided: bool = False,
         primvars: Primvars = ...,
+        face_materials: NDArray[np.int32] | None = None,
     ) -> None: ...
+    @property
+    def points(self) -> NDArray[np.float32]:
+        """A copy, as those below."""
+    @property
+    def normals(self) -> NDArray[np.float32]: ...
+    @property
+    def face_vertex_counts(self) -> NDArray[np.int32]: ...
+    @property
+    def face_vertex_indices(self) -> NDArray[np.int32]: ...
+
+class Subdivider:
+    """Cuts the faces of control cages `level` times by UsdGeomMesh's rules, through OpenSubdiv.
+
+    Raises ValueError on rules that contradict themselves.
+    """
+
+    def __init__(
+        self,
+        *,
+        scheme: str,
+        level: int,
+        interpolate_boundary: str = "edgeAndCorner",
+        face_varying_linear_interpolation: str = "cornersPlus1",
+        triangle_subdivision_rule: str = "catmullClark",
+        crease_indices: NDArray[np.int32] = ...,
+        crease_lengths: NDArray[np.int32] = ...,
+        crease_sharpnesses: NDArray[np.float32] = ...,
+        corner_indices: NDArray[np.int32] = ...,
+        corner_sharpnesses: NDArray[np.float32] = ...,
+        hole_indices: NDArray[np.int32] = ...,
+    ) -> None: ...
+    def refine(self, cage: Mesh) -> Mesh:
+        """The polygons that stand for the limit surface, with its normals and refined primvars;
+        at level 0 the cage, with smooth normals unless bilinear. The refined topology is kept for
+        cages that have the same. Raises ValueError on topology that OpenSubdiv refuses."""
 
 class Spheres:
     """Balls in object space: points (n, 3) float32, widths (1,) or (n,) float32, diameters;
@@ -212,6 +249,7 @@ class ChangeSet:
         world_from_object: NDArray[np.float64],
         material: str = "",
         primvars: Primvars = ...,
+        face_materials: Sequence[str] = (),
     ) -> None:
         """`primvars`: constant ones, read where the geometry has none of the name."""
     def remove_object(self, path: str) -> None: ...

@@ -131,6 +131,12 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "delete": lambda pick: ("remove", pick(NAMES)),
     "hide": lambda pick: ("hide", pick((*NAMES, "/floor"))),
     "show": lambda pick: ("show", pick((*NAMES, "/floor"))),
+    "paint": lambda pick: (
+        "paint",
+        pick(NAMES),
+        tuple(pick((0, 1, 2)) for _ in range(6)),
+        (pick(MATERIALS), pick(MATERIALS)),
+    ),
     "rebind": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(MATERIALS)),
     "material": lambda pick: ("material", pick(MATERIALS), material(pick)),
     "look": lambda pick: ("look", pick(MATERIALS), look(pick)),

@@ -3,10 +3,11 @@
 
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
 ("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
-height), ("box", single_sided, corners), ("points", ((x, y, z, width), ...)), ("curves", basis,
-wrap, ((x, y, z, width), ...)) or ("pair", radius, material), an instance; a material is the
-arguments of _core.Material; a light is ("distant", direction, irradiance, casts_shadows) or
-("point", position, intensity, casts_shadows). Records of _core may stand in their place.
+height), ("box", single_sided, corners[, faces, paints]), its faces' materials by place in paints, 0
+the object's own, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width),
+...)) or ("pair", radius, material), an instance; a material is the arguments of _core.Material; a
+light is ("distant", direction, irradiance, casts_shadows) or ("point", position, intensity,
+casts_shadows). Records of _core may stand in their place.
 """
 
 from dataclasses import dataclass, field
@@ -40,9 +41,24 @@ def geometry(shape: tuple[Any, ...]) -> Any:
     """The record of a geometry; equal ones are one, so that instances share their prototype."""
     kind, *sizes = shape
     if kind == "box":
-        single_sided, corners = sizes
+        single_sided, corners, *paint = sizes
         points = np.array(corners, np.float32)
-        return _core.Mesh(points, np.full(6, 4, np.int32), BOX_FACES, single_sided=single_sided)
+        counts = np.full(6, 4, np.int32)
+        if not paint or not any(paint[0]):
+            return _core.Mesh(points, counts, BOX_FACES, single_sided=single_sided)
+        # Painted faces have normals of their own, too.
+        faces = np.array(paint[0], np.int32)
+        normals = np.array([(1, f, 0.5) for f in faces], np.float32)
+        return _core.Mesh(
+            points,
+            counts,
+            BOX_FACES,
+            normals,
+            "uniform",
+            single_sided=single_sided,
+            primvars={"paint": ("uniform", normals, None)},
+            face_materials=faces - 1,
+        )
     if kind == "pair":
         radius, material = sizes
         ball, box = ("sphere", radius), ("box", False, BOX)
@@ -59,10 +75,11 @@ def geometry(shape: tuple[Any, ...]) -> Any:
     return getattr(_core.Quadric, kind)(*sizes)
 
 
-def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, Any, str]:
+def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, ...]:
     """What ChangeSet.set_object takes."""
     made = geometry(shape) if isinstance(shape, tuple) else shape
-    return made, np.asarray(matrix, float), material
+    painted = isinstance(shape, tuple) and shape[0] == "box" and len(shape) > 3
+    return made, np.asarray(matrix, float), material, {}, shape[4] if painted else ()
 
 
 def material_record(material: Any) -> _core.Material:
@@ -178,7 +195,7 @@ class State:
         if isinstance(shape, tuple) and shape[:1] == ("box",):
             corners = list(shape[2])
             corners[corner] = tuple(a + b for a, b in zip(corners[corner], offset, strict=True))
-            self.objects[name] = (("box", shape[1], tuple(corners)), *others)
+            self.objects[name] = (("box", shape[1], tuple(corners), *shape[3:]), *others)
         elif isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
             balls = list(shape[-1])
             ball = balls[corner % len(balls)]
@@ -203,6 +220,12 @@ class State:
             if len(balls) > least[shape[0]]:
                 del balls[which % len(balls)]
                 self.objects[name] = ((*shape[:-1], tuple(balls)), *others)
+
+    def _paint(self, name: str, faces: tuple[int, ...], paints: tuple[str, ...]) -> None:
+        """Materials of a mesh's faces: 0 its own, else by place in `paints`."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and shape[:1] == ("box",):
+            self.objects[name] = ((*shape[:3], faces, paints), *others)
 
     def _bind(self, name: str, material: str) -> None:
         if name in self.objects:

@@ -138,8 +138,8 @@ def test_holes_take_their_elements_along() -> None:
         ("float primvars:st = nan", "it holds a NaN, or a number beyond single precision;"),
         ('float2[] primvars:st = [(1,2)] (elementSize = 2\ninterpolation = "constant")',
          "its elementSize is 2; expected 1"),
-        ('float[] primvars:st = [1] (interpolation = "uniform")\n'
-         "int[] primvars:st:indices = [0, 1]",
+        ("""float[] primvars:st = [1] (interpolation = "uniform")
+         int[] primvars:st:indices = [0, 1]""",
          "index 1 names none of its 1 values"),
         ('float[] primvars:st = [] (interpolation = "vertex")',
          "there are 0 elements; expected 6, the interpolation being vertex"),

@@ -45,6 +45,7 @@ std::size_t elements(const Mesh& mesh, Interpolation interpolation) {
             return 1;
         case Interpolation::Uniform:
             return mesh.face_vertex_counts.size();
+        case Interpolation::Varying:
         case Interpolation::Vertex:
             return mesh.points.size();
         case Interpolation::FaceVarying:
@@ -100,6 +101,10 @@ void check(const Mesh& mesh, const std::string& path) {
     if (mesh.normals.size() != normals)
         refuse(path, "normals has " + std::to_string(mesh.normals.size()) + " entries, expected " +
                          std::to_string(normals));
+    if (!mesh.face_materials.empty() &&
+        mesh.face_materials.size() != mesh.face_vertex_counts.size())
+        refuse(path, "face_materials has " + std::to_string(mesh.face_materials.size()) +
+                         " entries, expected " + std::to_string(mesh.face_vertex_counts.size()));
     check_names(mesh.primvars, path);
     for (const Primvar& primvar : mesh.primvars)
         check(primvar, elements(mesh, primvar.interpolation), path);
@@ -243,8 +248,25 @@ std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& 
     return out;
 }
 
+void check_face_materials(const Surface& surface, const std::string& path) {
+    if (!surface.triangles) return;
+    const auto count = static_cast<std::int32_t>(surface.face_materials.size());
+    for (const std::int32_t face : surface.triangles->mesh->face_materials)
+        if (face < -1 || face >= count)
+            refuse(path, "face_materials names material " + std::to_string(face) + " of " +
+                             std::to_string(count));
+}
+
+std::vector<std::uint32_t> slots_of(const std::vector<std::string>& names,
+                                    const MaterialIndex& material) {
+    std::vector<std::uint32_t> slots;
+    for (const std::string& name : names) slots.push_back(material(name));
+    return slots;
+}
+
 Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
-                        std::uint32_t material, const std::string& path) {
+                        std::uint32_t material, std::vector<std::uint32_t> face_materials,
+                        const std::string& path) {
     Surface surface;
     surface.trace_from_shape = trace_from_shape;
     surface.shape_from_trace = checked_inverse(trace_from_shape, path);
@@ -254,6 +276,8 @@ Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
         surface.quadric = *quadric;
     } else if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&geometry)) {
         surface.triangles = triangulate(*mesh, trace_from_shape, path);
+        surface.face_materials = std::move(face_materials);
+        check_face_materials(surface, path);
     } else if (const auto* spheres = std::get_if<std::shared_ptr<const Spheres>>(&geometry)) {
         check((*spheres)->balls, trace_from_shape, path);
         check((*spheres)->primvars, 1, (*spheres)->balls.size(), path);
@@ -273,8 +297,9 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
                                                            const std::string& path) {
     auto out = std::make_shared<CompiledPrototype>();
     for (const Part& part : prototype.parts)
-        out->surfaces.push_back(compile_surface(part.geometry, part.prototype_from_part,
-                                                material(part.material), path + "/" + part.name));
+        out->surfaces.push_back(
+            compile_surface(part.geometry, part.prototype_from_part, material(part.material),
+                            slots_of(part.face_materials, material), path + "/" + part.name));
     return out;
 }
 

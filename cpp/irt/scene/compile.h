@@ -26,7 +26,15 @@ std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& 
 
 /// `geometry` must not be a prototype.
 Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
-                        std::uint32_t material, const std::string& path);
+                        std::uint32_t material, std::vector<std::uint32_t> face_materials,
+                        const std::string& path);
+
+/// Throws std::invalid_argument, beginning with `path`, where a face names no material.
+void check_face_materials(const Surface& surface, const std::string& path);
+
+/// The slots of `names`, in their order.
+std::vector<std::uint32_t> slots_of(const std::vector<std::string>& names,
+                                    const MaterialIndex& material);
 
 std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prototype,
                                                            const MaterialIndex& material,

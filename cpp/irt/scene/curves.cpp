@@ -85,6 +85,7 @@ auto value_at(const Spans& spans, Interpolation interpolation, const Offsets& fi
             return at(first.curve);
         case Interpolation::Vertex:
             return spans.value(span, u, [&](std::size_t i) { return at(first.vertex + i); });
+        case Interpolation::Varying:
         case Interpolation::FaceVarying:
             return at(first.end + span) * (1 - u) + at(first.end + (span + 1) % spans.ends()) * u;
     }
@@ -92,7 +93,8 @@ auto value_at(const Spans& spans, Interpolation interpolation, const Offsets& fi
 }
 
 bool by_ball(Interpolation interpolation) {
-    return interpolation == Interpolation::Vertex || interpolation == Interpolation::FaceVarying;
+    return interpolation == Interpolation::Vertex || interpolation == Interpolation::Varying ||
+           interpolation == Interpolation::FaceVarying;
 }
 
 /// Appends a control primvar's value at `u` within a span to that of a ball.
@@ -163,6 +165,7 @@ std::size_t element_count(const ControlCurves& curves, Interpolation interpolati
             return curves.vertex_counts.size();
         case Interpolation::Vertex:
             return curves.points.size();
+        case Interpolation::Varying:
         case Interpolation::FaceVarying:
             break;
     }

@@ -13,7 +13,7 @@ bool same(const Prototype& a, const Prototype& b) {
     if (a.parts.size() != b.parts.size()) return false;
     for (std::size_t i = 0; i < a.parts.size(); ++i) {
         const Part &p = a.parts[i], &q = b.parts[i];
-        if (p.name != q.name || p.material != q.material ||
+        if (p.name != q.name || p.material != q.material || p.face_materials != q.face_materials ||
             !same_bits(p.prototype_from_part, q.prototype_from_part) ||
             !same(p.geometry, q.geometry))
             return false;
@@ -47,11 +47,15 @@ bool same(const Primvars& a, const Primvars& b) {
 }
 
 bool same(const Mesh& a, const Mesh& b) {
-    return a.normals_interpolation == b.normals_interpolation && a.left_handed == b.left_handed &&
-           a.single_sided == b.single_sided && same_bits(a.points, b.points) &&
-           same_bits(a.face_vertex_counts, b.face_vertex_counts) &&
-           same_bits(a.face_vertex_indices, b.face_vertex_indices) &&
-           same_bits(a.normals, b.normals) && same(a.primvars, b.primvars);
+    return same_hits(a, b) && a.normals_interpolation == b.normals_interpolation &&
+           same_bits(a.normals, b.normals) && same(a.primvars, b.primvars) &&
+           same_bits(a.face_materials, b.face_materials);
+}
+
+bool same_hits(const Mesh& a, const Mesh& b) {
+    return a.left_handed == b.left_handed && a.single_sided == b.single_sided &&
+           same_bits(a.points, b.points) && same_bits(a.face_vertex_counts, b.face_vertex_counts) &&
+           same_bits(a.face_vertex_indices, b.face_vertex_indices);
 }
 
 bool same(const Geometry& a, const Geometry& b) {

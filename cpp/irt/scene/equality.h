@@ -9,6 +9,9 @@ namespace irt {
 bool same(const Quadric& a, const Quadric& b);
 bool same(const Primvars& a, const Primvars& b);
 bool same(const Mesh& a, const Mesh& b);
+/// Whether rays meet the two alike, in position and geometric normal: they may differ in all that
+/// shading alone reads.
+bool same_hits(const Mesh& a, const Mesh& b);
 bool same(const Spheres& a, const Spheres& b);
 bool same(const Curves& a, const Curves& b);
 bool same(const Geometry& a, const Geometry& b);

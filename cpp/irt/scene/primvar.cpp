@@ -41,6 +41,7 @@ std::array<PrimvarValue, 3> corner_values(const Triangles& triangles, const Prim
             case Interpolation::Uniform:
                 values[c] = element(primvar, triangles.faces[triangle]);
                 break;
+            case Interpolation::Varying:
             case Interpolation::Vertex:
                 values[c] = element(primvar, static_cast<std::size_t>(
                                                  triangles.mesh->face_vertex_indices[corners[c]]));

@@ -37,10 +37,11 @@ struct Quadric {
     double radius = 1, height = 2, size = 2, width = 2, length = 2, radius_top = 1;
 };
 
-enum class Interpolation : std::uint8_t { None, Constant, Uniform, Vertex, FaceVarying };
+/// Varying differs from Vertex in subdivision alone: it is then interpolated linearly.
+enum class Interpolation : std::uint8_t { None, Constant, Uniform, Varying, Vertex, FaceVarying };
 
 /// A value given along with a shape (UsdGeomPrimvar): elements of `width` floats, as many as
-/// `interpolation` asks for. USD's varying is Vertex here, polygons being interpolated linearly.
+/// `interpolation` asks for.
 struct Primvar {
     std::string name;                                       ///< without "primvars:"
     Interpolation interpolation = Interpolation::Constant;  ///< never None
@@ -63,6 +64,9 @@ struct Mesh {
     bool left_handed = false;
     bool single_sided = false;  ///< authored doubleSided = false: back faces do not exist
     Primvars primvars = {};
+    /// One a face: -1, the material of the object, or an index into its `face_materials`. Empty:
+    /// all -1.
+    std::vector<std::int32_t> face_materials;
 };
 
 /// A ball, lengths in object units. One of radius 0 is not there.
@@ -119,6 +123,7 @@ struct Part {
     Geometry geometry;
     M44d prototype_from_part;
     std::string material;
+    std::vector<std::string> face_materials = {};  ///< see Object
 };
 
 /// Geometry shared by instances.
@@ -132,6 +137,7 @@ struct Object {
     M44d world_from_object;
     std::string material;    ///< unused for an instance: its parts name their own
     Primvars primvars = {};  ///< constant ones, read where the geometry has none of the name
+    std::vector<std::string> face_materials = {};  ///< what Mesh::face_materials numbers
 };
 
 /// A delta light. `energy` is irradiance at normal incidence for a distant light and radiant

@@ -30,31 +30,71 @@ bool is_instance(const Object& object) {
     return std::holds_alternative<std::shared_ptr<const Prototype>>(object.geometry);
 }
 
-bool same_shape(const Object& a, const Object& b) {
-    return same(a.geometry, b.geometry) && same_bits(a.world_from_object, b.world_from_object) &&
-           same(a.primvars, b.primvars);
+const Mesh* mesh_of(const Object& object) {
+    const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&object.geometry);
+    return mesh ? mesh->get() : nullptr;
+}
+
+/// Whether rays meet the two alike: only shading may differ.
+bool same_hits(const Object& a, const Object& b) {
+    if (!same_bits(a.world_from_object, b.world_from_object)) return false;
+    const Mesh *mesh = mesh_of(a), *other = mesh_of(b);
+    return mesh && other ? mesh == other || same_hits(*mesh, *other) : same(a.geometry, b.geometry);
+}
+
+/// Of two that rays meet alike. An instance's parts name their own materials.
+bool same_shading(const Object& a, const Object& b) {
+    return same(a.geometry, b.geometry) && same(a.primvars, b.primvars) &&
+           (is_instance(a) || (a.material == b.material && a.face_materials == b.face_materials));
+}
+
+/// The materials that `object` may show, part by part.
+std::vector<Material> shown(const ObjectSlot& object, const std::vector<MaterialSlot>& materials) {
+    std::vector<Material> records;
+    (void)object.any_material([&](std::uint32_t material) {
+        records.push_back(materials[material].record);
+        return false;
+    });
+    return records;
+}
+
+/// Whether an object that showed `before` and now shows `after` may tint shadows otherwise;
+/// `repainted`: its faces or primvars say otherwise which and how.
+bool tints_otherwise(const std::vector<Material>& before, const std::vector<Material>& after,
+                     bool repainted) {
+    if (!std::equal(before.begin(), before.end(), after.begin(), after.end(), same_tint))
+        return true;
+    return repainted && std::any_of(after.begin(), after.end(), [&](const Material& material) {
+               return tint_varies(material) || !same_tint(material, after.front());
+           });
 }
 
 }  // namespace
 
 /// A change set made ready: all that can be refused has been.
 struct Scene::Prepared {
-    SlotOf material_slots;                                       ///< as they will be
-    std::set<std::string> materials;                             ///< those that will be live
-    std::vector<std::pair<std::string, ObjectSlot>> objects;     ///< added, moved or reshaped
-    std::vector<std::pair<std::uint32_t, std::string>> rebound;  ///< slot, material name
+    SlotOf material_slots;                                      ///< as they will be
+    std::set<std::string> materials;                            ///< those that will be live
+    std::vector<std::pair<std::string, ObjectSlot>> objects;    ///< added, moved or reshaped
+    std::vector<std::pair<std::uint32_t, ObjectSlot>> rebound;  ///< those that shade otherwise
     std::vector<std::uint32_t> removed;
     std::map<std::shared_ptr<const Prototype>, std::shared_ptr<const CompiledPrototype>> prototypes;
+
+    /// Slots of the materials of the object `path`; it throws std::invalid_argument where there is
+    /// none of a name.
+    [[nodiscard]] MaterialIndex materials_for(const std::string& path) const {
+        return [this, path](const std::string& name) {
+            if (!materials.contains(name))
+                throw std::invalid_argument(path + ": no material named '" + name + "'");
+            return material_slots.at(name);
+        };
+    }
 };
 
 Scene::Scene(const V3d& render_origin) : render_origin_(render_origin) {}
 
 ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepared& prepared) const {
-    const auto material = [&](const std::string& name) {
-        if (!prepared.materials.contains(name))
-            throw std::invalid_argument(path + ": no material named '" + name + "'");
-        return prepared.material_slots.at(name);
-    };
+    const MaterialIndex material = prepared.materials_for(path);
     check_constant(record.primvars, path);
     const M44d render_from_object = relative_to(record.world_from_object, render_origin_);
     ObjectSlot slot;
@@ -64,7 +104,8 @@ ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepare
     slot.record = record;
     if (!is_instance(record)) {
         slot.surface =
-            compile_surface(record.geometry, render_from_object, material(record.material), path);
+            compile_surface(record.geometry, render_from_object, material(record.material),
+                            slots_of(record.face_materials, material), path);
         return slot;
     }
     slot.render_from_prototype = render_from_object;
@@ -77,6 +118,25 @@ ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepare
         if (!compiled) compiled = compile_prototype(*source, material, path);
         slot.prototype = compiled;
     }
+    return slot;
+}
+
+/// `old` as `record`, which rays meet alike, has it shaded.
+ObjectSlot Scene::rebind(const ObjectSlot& old, const Object& record, Prepared& prepared) const {
+    if (!same(old.record.geometry, record.geometry)) {
+        ObjectSlot slot = compile(old.path, record, prepared);
+        slot.rank = old.rank;
+        return slot;
+    }
+    check_constant(record.primvars, old.path);
+    ObjectSlot slot = old;
+    slot.record = record;
+    slot.record.geometry = old.record.geometry;
+    if (is_instance(record)) return slot;
+    const MaterialIndex material = prepared.materials_for(old.path);
+    slot.surface.material = material(record.material);
+    slot.surface.face_materials = slots_of(record.face_materials, material);
+    check_face_materials(slot.surface, old.path);
     return slot;
 }
 
@@ -99,10 +159,8 @@ Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
         }
     }
     const auto require_materials = [&](const ObjectSlot& object) {
-        const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-        for (std::uint32_t p = 0; p < parts; ++p)
-            if (removed_materials.contains(object.part(p).material))
-                throw std::invalid_argument(object.path + ": its material was removed");
+        if (object.any_material([&](std::uint32_t m) { return removed_materials.contains(m); }))
+            throw std::invalid_argument(object.path + ": its material was removed");
     };
 
     for (const auto& [path, record] : changes.objects) {
@@ -110,20 +168,15 @@ Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
         const bool live = found != object_slots_.end() && objects_[found->second].live;
         if (!record) {
             if (live) prepared.removed.push_back(found->second);
-        } else if (live && same_shape(objects_[found->second].record, *record)) {
-            // An instance's parts name their own.
-            if (!is_instance(*record) &&
-                objects_[found->second].record.material != record->material) {
-                if (!prepared.materials.contains(record->material))
-                    throw std::invalid_argument(path + ": no material named '" + record->material +
-                                                "'");
-                prepared.rebound.emplace_back(found->second, record->material);
-            } else if (!removed_materials.empty()) {
-                require_materials(objects_[found->second]);
-            }
-        } else {
+        } else if (!live || !same_hits(objects_[found->second].record, *record)) {
             prepared.objects.emplace_back(path, compile(path, *record, prepared));
             if (!removed_materials.empty()) require_materials(prepared.objects.back().second);
+        } else if (!same_shading(objects_[found->second].record, *record)) {
+            prepared.rebound.emplace_back(found->second,
+                                          rebind(objects_[found->second], *record, prepared));
+            if (!removed_materials.empty()) require_materials(prepared.rebound.back().second);
+        } else if (!removed_materials.empty()) {
+            require_materials(objects_[found->second]);
         }
     }
 
@@ -137,9 +190,9 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
     Prepared prepared = prepare(changes);
     AppliedChanges applied;
 
-    std::vector<Material> materials_before;  // of what is rebound
-    for (const auto& [index, material] : prepared.rebound)
-        materials_before.push_back(materials_[objects_[index].surface.material].record);
+    std::vector<std::vector<Material>> materials_before;  // of what is rebound
+    for (const auto& [index, slot] : prepared.rebound)
+        materials_before.push_back(shown(objects_[index], materials_));
 
     material_slots_ = std::move(prepared.material_slots);
     materials_.resize(material_slots_.size());
@@ -180,13 +233,17 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
         applied.geometry.push_back(index);
     }
     for (std::size_t i = 0; i < prepared.rebound.size(); ++i) {
-        const auto& [index, material] = prepared.rebound[i];
+        auto& [index, slot] = prepared.rebound[i];
         ObjectSlot& object = objects_[index];
-        object.record.material = material;
-        applied.unbound.push_back(object.surface.material);
-        object.surface.material = material_slots_.at(material);
+        (void)object.any_material([&](std::uint32_t material) {
+            applied.unbound.push_back(material);
+            return false;
+        });
+        const bool repainted = !same(object.record.geometry, slot.record.geometry) ||
+                               !same(object.record.primvars, slot.record.primvars);
+        object = std::move(slot);
         applied.rebound.push_back(index);
-        if (!same_tint(materials_[object.surface.material].record, materials_before[i]))
+        if (tints_otherwise(materials_before[i], shown(object, materials_), repainted))
             applied.retinted.push_back(index);
     }
     if (!prepared.objects.empty()) rank_objects();

@@ -3,6 +3,7 @@
 // and no film; several views may show it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -35,6 +36,20 @@ struct Surface {
     std::shared_ptr<const Curves> curves;        ///< shape space; null unless curves
     M44d trace_from_shape, shape_from_trace;     ///< shape: the authored object or part space
     std::uint32_t material = 0;                  ///< slot in Scene::materials()
+    std::vector<std::uint32_t> face_materials;   ///< slots of what Mesh::face_materials numbers
+
+    /// Slot of the material of a triangle (of a quadric: 0).
+    [[nodiscard]] std::uint32_t material_of(std::uint32_t primitive) const {
+        if (face_materials.empty() || !triangles || triangles->mesh->face_materials.empty())
+            return material;
+        const std::int32_t face = triangles->mesh->face_materials[triangles->faces[primitive]];
+        return face < 0 ? material : face_materials[static_cast<std::size_t>(face)];
+    }
+    /// Whether `test` holds of the slot of some material that it may show.
+    template <class Test>
+    [[nodiscard]] bool any_material(Test&& test) const {
+        return test(material) || std::any_of(face_materials.begin(), face_materials.end(), test);
+    }
 };
 
 /// The compiled form of a Prototype, shared by its instances.
@@ -57,6 +72,13 @@ struct ObjectSlot {
     [[nodiscard]] const Surface& part(std::uint32_t index) const {
         return prototype ? prototype->surfaces[index] : surface;
     }
+    /// Whether `test` holds of the slot of some material that it may show.
+    template <class Test>
+    [[nodiscard]] bool any_material(Test&& test) const {
+        if (!prototype) return surface.any_material(test);
+        return std::any_of(prototype->surfaces.begin(), prototype->surfaces.end(),
+                           [&](const Surface& part) { return part.any_material(test); });
+    }
 };
 
 /// A material's slot belongs to its name for the life of the scene.
@@ -78,10 +100,10 @@ struct LightSlot {
 
 /// What `Scene::apply` found to differ, record by record and by value.
 struct AppliedChanges {
-    std::vector<std::uint32_t> geometry;   ///< object slots added, removed, moved or reshaped
-    std::vector<ObjectSlot> previous;      ///< of `geometry`: as they were, dead ones left out
-    std::vector<std::uint32_t> rebound;    ///< object slots whose material binding alone changed
-    std::vector<std::uint32_t> unbound;    ///< of `rebound`: the material slots they had
+    std::vector<std::uint32_t> geometry;  ///< object slots added, removed, moved or reshaped
+    std::vector<ObjectSlot> previous;     ///< of `geometry`: as they were, dead ones left out
+    std::vector<std::uint32_t> rebound;   ///< object slots that shade otherwise where hit as before
+    std::vector<std::uint32_t> unbound;   ///< of `rebound`: the material slots they had
     std::vector<std::uint32_t> materials;  ///< material slots whose values changed
     std::vector<std::string> lights;       ///< lights added, removed or changed, by path
     std::vector<std::uint32_t> tints;     ///< of `materials`: those that now tint shadows otherwise
@@ -115,6 +137,8 @@ class Scene {
     [[nodiscard]] Prepared prepare(const ChangeSet& changes) const;
     [[nodiscard]] ObjectSlot compile(const std::string& path, const Object& record,
                                      Prepared& prepared) const;
+    [[nodiscard]] ObjectSlot rebind(const ObjectSlot& old, const Object& record,
+                                    Prepared& prepared) const;
     void rank_objects();
     void order_lights();
 

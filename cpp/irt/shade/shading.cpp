@@ -42,13 +42,10 @@ Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& co
 
 VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit,
                                     double travelled) const {
-    const Surface& surface = scene_.objects()[hit.object].part(hit.part);
-    VisiblePoint point{surface_point(scene_, ray, hit),
-                       &responses_[surface.material],
-                       std::nullopt,
-                       normalized(V3d(ray.direction)),
-                       {},
-                       {}};
+    const trace::SurfacePoint surface = surface_point(scene_, ray, hit);
+    VisiblePoint point{surface,      &responses_[surface.material],
+                       std::nullopt, normalized(V3d(ray.direction)),
+                       {},           {}};
     if (varies_[surface.material]) shade_locally(ray, hit, travelled, point);
     const double side = point.surface.front ? 1 : -1;
     point.shading = point.surface.shading_normal * side;

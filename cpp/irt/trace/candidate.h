@@ -34,7 +34,7 @@ inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) 
 inline bool add_occluder(const Scene& scene, const Hit& hit, Occlusion& sum) {
     const ObjectSlot& object = scene.objects()[hit.object];
     const Surface& surface = object.part(hit.part);
-    const MaterialSlot& material = scene.materials()[surface.material];
+    const MaterialSlot& material = scene.materials()[surface.material_of(hit.primitive)];
     const OpticalDepth depth = material.tint_varies
                                    ? graph::tint_at(material, {object, surface, hit})
                                    : material.shadow_depth;

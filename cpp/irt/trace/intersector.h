@@ -38,6 +38,8 @@ class Intersector {
     /// Brings the trees up to `scene`, of which only the objects in `changed` (slots) differ from
     /// the last commit. `scene` must outlive the queries. Unchanged meshes keep their trees.
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed);
+    /// Lets go of what the trees still hold of objects that shade otherwise where hit as before.
+    void release_meshes(const std::vector<std::uint32_t>& rebound);
 
     /// The nearest hit with 0 < t < ray.t_max; ties go to the lower (rank, part, primitive).
     [[nodiscard]] Hit nearest(const Ray& ray, QueryCounts& counts) const;

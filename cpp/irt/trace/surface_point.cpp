@@ -79,6 +79,7 @@ V3d authored_normal(const Triangles& triangles, const Hit& hit) {
             return normal(0);
         case Interpolation::Uniform:
             return normal(triangles.faces[hit.primitive]);
+        case Interpolation::Varying:
         case Interpolation::Vertex:
             return blend(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
         case Interpolation::FaceVarying:
@@ -155,7 +156,7 @@ SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit) {
     if (point.shading_normal.dot(point.geometric_normal) < 0)
         point.shading_normal = -point.shading_normal;
     point.front = V3d(ray.direction).dot(point.geometric_normal) < 0;
-    point.material = surface.material;
+    point.material = surface.material_of(hit.primitive);
     return point;
 }
 

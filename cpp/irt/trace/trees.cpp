@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "irt/scene/equality.h"
+
 namespace irt::trace {
 namespace {
 
@@ -128,7 +130,8 @@ std::unique_ptr<Shape> Trees::make_shape(const Surface& surface, const Shape* pr
     shape->single_sided = triangles.mesh->single_sided;
     // A mesh that merely moved keeps its clusters: neighbours stay neighbours.
     const bool moved = previous && previous->triangles &&
-                       previous->triangles->mesh == triangles.mesh &&
+                       (previous->triangles->mesh == triangles.mesh ||
+                        same_hits(*previous->triangles->mesh, *triangles.mesh)) &&
                        previous->triangles->triangles == triangles.triangles;
     shape->order = moved ? previous->order : cluster(triangles);
     shape->packets = make_packets(triangles, shape->order);
@@ -229,6 +232,13 @@ Box Trees::box(std::uint32_t slot) const {
     if (slot >= objects_.size() || !objects_[slot].shape || objects_[slot].shape->box.empty())
         return {};
     return padded(objects_[slot].shape->box, frame_.pad());
+}
+
+/// Lets go of the meshes that `rebound` objects, met as before, no longer shade by.
+void Trees::release_meshes(const std::vector<std::uint32_t>& rebound) {
+    for (const std::uint32_t slot : rebound)
+        if (Shape* shape = objects_[slot].shape.get(); shape && shape->triangles)
+            shape->triangles = scene_->objects()[slot].surface.triangles;
 }
 
 void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed) {

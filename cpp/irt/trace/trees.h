@@ -74,6 +74,7 @@ class Trees {
     Trees(const std::string& isa, int threads, TreeOptions options);
 
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed);
+    void release_meshes(const std::vector<std::uint32_t>& rebound);
 
     [[nodiscard]] const Scene* scene() const { return scene_; }
     [[nodiscard]] const Frame& frame() const { return frame_; }

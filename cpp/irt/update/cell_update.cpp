@@ -195,7 +195,8 @@ void CellUpdate::fetch_point(PointIndex point) const {
 }
 
 std::uint32_t CellUpdate::material_of(const trace::HitName& visible) const {
-    return shading_.scene().objects()[visible.object].part(visible.part).material;
+    const ObjectSlot& object = shading_.scene().objects()[visible.object];
+    return object.part(visible.part).material_of(visible.primitive);
 }
 
 // ---- tests of what is flagged (sections 2.4, 4.1)

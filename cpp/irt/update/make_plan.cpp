@@ -18,13 +18,10 @@ std::vector<std::uint32_t> showing(const Scene& scene,
     if (materials.empty()) return slots;
     for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
         const ObjectSlot& object = scene.objects()[slot];
-        if (!object.live) continue;
-        const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-        for (std::uint32_t part = 0; part < parts; ++part)
-            if (std::count(materials.begin(), materials.end(), object.part(part).material)) {
-                slots.push_back(slot);
-                break;
-            }
+        if (object.live && object.any_material([&](std::uint32_t material) {
+                return std::count(materials.begin(), materials.end(), material) > 0;
+            }))
+            slots.push_back(slot);
     }
     return slots;
 }
@@ -32,14 +29,13 @@ std::vector<std::uint32_t> showing(const Scene& scene,
 /// Whether some part of `object` is not opaque. Of an object that was replaced: by the materials in
 /// force now; where one of those changed its tint the plan says so anyway.
 bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
-    const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-    for (std::uint32_t part = 0; part < parts; ++part) {
-        const MaterialSlot& material = scene.materials()[object.part(part).material];
-        if (material.tint_varies) return true;
-        for (const std::uint32_t depth : material.shadow_depth.rgb)
-            if (depth < trace::depth_opaque) return true;
-    }
-    return false;
+    return object.any_material([&](std::uint32_t slot) {
+        const MaterialSlot& material = scene.materials()[slot];
+        const auto& depth = material.shadow_depth.rgb;
+        return material.tint_varies ||
+               std::any_of(std::begin(depth), std::end(depth),
+                           [](std::uint32_t d) { return d < trace::depth_opaque; });
+    });
 }
 
 }  // namespace

@@ -13,11 +13,9 @@ constexpr std::size_t most_boxes = 512;
 
 bool changes(const Foreseen& foreseen, const Scene& scene, const ObjectSlot& object) {
     if (foreseen.object_changes(object.path)) return true;
-    const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-    for (std::uint32_t part = 0; part < parts; ++part)
-        if (foreseen.material_changes(scene.materials()[object.part(part).material].name))
-            return true;
-    return false;
+    return object.any_material([&](std::uint32_t material) {
+        return foreseen.material_changes(scene.materials()[material].name);
+    });
 }
 
 }  // namespace
