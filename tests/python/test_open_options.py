@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from pxr import Usd
 
+from cli_support import run
 from conftest import CAMERA, WriteLayer
 from irt_usd.errors import InputError
 from irt_usd.report import Report
@@ -168,3 +169,25 @@ def test_variants_are_chosen_by_a_session_layer(usda: WriteLayer) -> None:
 
     assert objects(open_stage(str(path))) == ["/V/S"]
     assert objects(open_stage(str(path), OpenOptions(session_layer=str(session)))) == ["/V/L"]
+
+
+def test_the_environments_search_path_comes_last(
+    usda: WriteLayer,
+    searched: Callable[[str], Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path, option = usda(PAYLOAD + CAMERA), searched("option")
+    monkeypatch.setenv("PXR_AR_DEFAULT_SEARCH_PATH", str(searched("environment")))
+
+    for name in ("environment", "option"):
+        layer = tmp_path / name / "search" / "pay.usda"
+        layer.write_text(layer.read_text().replace("Sphere", "Camera"))
+
+    def cameras(*options: str) -> list[str]:
+        listed = run("render", str(path), "--list-cameras", *options)
+        assert listed.returncode == 0, listed.stderr
+        return listed.stdout.split()
+
+    assert cameras() == ["/P/environment", "/cam"]
+    assert cameras("--asset-path", str(option)) == ["/P/option", "/cam"]
