@@ -5,6 +5,7 @@
 
 #include "irt/scene/curves.h"
 #include "irt/scene/equality.h"
+#include "irt/scene/primvar.h"
 #include "irt/trace/judge_many.h"
 #include "irt/trace/round_cone.h"
 #include "trace_scenes.h"
@@ -304,6 +305,34 @@ TEST(MakeCurves, WidthsFollowTheirInterpolation) {
     EXPECT_THROW(make_curves(c, 2), std::invalid_argument);
     c.widths = {3};
     c.vertex_counts = {6};
+    EXPECT_THROW(make_curves(c, 2), std::invalid_argument);
+}
+
+TEST(MakeCurves, PrimvarsFollowTheirCurve) {
+    ControlCurves c = control(CurveBasis::Bezier, CurveWrap::Nonperiodic, zigzag);
+    c.primvars = {{"a", Interpolation::Constant, 1, {7}, {}},
+                  {"b", Interpolation::Uniform, 2, {1, 2}, {}},
+                  {"c", Interpolation::Vertex, 1, {0, 3, 3, 0, 0, 0, 6}, {}},
+                  {"d", Interpolation::FaceVarying, 1, {0, 1}, {0, 1, 0}}};
+    const auto curves = make_curves(c, 2);
+    const auto at = [&](const char* name, std::uint32_t segment, double u) {
+        return primvar_at(*curves, *find_primvar(curves->primvars, name), segment, u)[0];
+    };
+    EXPECT_EQ(at("a", 3, 0.5), 7);
+    EXPECT_EQ(at("b", 3, 0.5), 1);
+    EXPECT_EQ(at("c", 0, 0), 0);
+    EXPECT_EQ(at("c", 0, 1), 2.25);  // of 0 3 3 0 at the middle of its span
+    EXPECT_EQ(at("c", 0, 0.5), 1.125);
+    EXPECT_EQ(at("c", 3, 1), 6);
+    EXPECT_EQ(at("d", 1, 1), 1);
+    EXPECT_EQ(at("d", 2, 0.5), 0.75);
+    // The hit says how far along its segment it is.
+    SceneBuilder builder;
+    builder.add(std::shared_ptr<const Curves>(chain({{{0, 0, 0}, 0.25f}, {{2, 0, 0}, 0.25f}})),
+                M44d());
+    const auto scene = builder.scene();
+    EXPECT_NEAR(brute_force_nearest(*scene, ray({1.5, 4, 0}, {0, -1, 0})).u, 0.75, 1e-12);
+    c.primvars[2].values.pop_back();
     EXPECT_THROW(make_curves(c, 2), std::invalid_argument);
 }
 

@@ -233,3 +233,69 @@ def test_a_chain_is_what_a_capsule_is() -> None:
     assert np.allclose(chain, film(core.Quadric.round_cone(0.25, 0.25, 1.0)), atol=1e-6)
     ball = film(core.Spheres(ends[:1] * 0, width))
     assert np.allclose(ball, film(core.Quadric.sphere(0.25)), atol=1e-6)
+
+
+@pytest.mark.parametrize("widths", [(0.5, 0.5), (0.7, 0.1)])
+def test_joints_neither_show_nor_refract_nor_tint(widths: tuple[float, float]) -> None:
+    """A straight tube of glass, of one piece and of sixteen, with its shadow."""
+    import scenes
+
+    def film(pieces: int) -> np.ndarray:
+        along = np.linspace(0, 1, pieces + 1)[:, None]
+        ends = np.array([[-1, -0.5, 0, widths[0]], [1, 0.7, -0.4, widths[1]]])
+        balls = (ends[:1] * (1 - along) + ends[1:] * along).astype(np.float32)
+        counts = np.array([pieces + 1], np.int32)
+        changes = core.ChangeSet()
+        changes.set_material("/glass", core.Material(opacity=0.3, ior=1.5, roughness=0.0))
+        changes.set_material("/floor", core.Material())
+        place = np.eye(4)
+        place[3, 2] = -4
+        tube = core.Curves(balls[:, :3], counts, balls[:, 3], "vertex")
+        changes.set_object("/tube", tube, place, "/glass")
+        floor = np.array(scenes.floor(), float)
+        changes.set_object("/floor", core.Quadric.plane(12, 12), floor, "/floor")
+        changes.set_light("/l", core.Light.distant((0.3, -1, -0.6), (1, 1, 1)))
+        made = scenes.renderer(120, 100)
+        made.update(changes)
+        return np.asarray(made.beauty())
+
+    assert np.allclose(film(1), film(16), atol=1e-4)
+
+
+def test_primvars_of_points_and_curves_reach_their_material(shot: MakeShot) -> None:
+    """displayColor by point, by curve and by vertex, as the pixels show it."""
+
+    def colors(values: str, interpolation: str) -> str:
+        return f'color3f[] primvars:displayColor = [{values}] (interpolation = "{interpolation}")\n'
+
+    def albedo(body: str, pixels: list[tuple[int, int]]) -> list[list[float]]:
+        import scenes
+
+        made = shot(body).read()
+        changes = core.ChangeSet()
+        for material in made.materials.values():
+            material.add_to(changes)
+        made.objects["/P"].add_to(changes)
+        camera = core.Camera(np.eye(4), (-1, 1, -1, 1), True)
+        settings = core.ViewSettings(64, 64, aovs=scenes.AOVS)
+        renderer = core.Renderer(camera, settings)
+        renderer.update(changes)
+        found = np.asarray(renderer.aov("albedo"))
+        return [[round(float(c), 2) for c in found[y, x]] for x, y in pixels]
+
+    points_body = "point3f[] points = [(-0.5,0,-5), (0.5,0,-5)]\n" + widths("0.5", "constant")
+    red, green = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]
+    by_point = points(points_body + colors("(1,0,0), (0,1,0)", "vertex"))
+    assert albedo(by_point, [(16, 32), (48, 32)]) == [red, green]
+    one = points(points_body + colors("(0,1,0)", "uniform"))
+    assert albedo(one, [(16, 32), (48, 32)]) == [green, green]
+    lines = (
+        'uniform token type = "linear"\nint[] curveVertexCounts = [2, 2]\n'
+        "point3f[] points = [(-0.9,0.5,-5), (0.9,0.5,-5), (-0.9,-0.5,-5), (0.9,-0.5,-5)]\n"
+        + widths("0.2", "constant")
+    )
+    by_curve = curves(lines + colors("(1,0,0), (0,1,0)", "uniform"))
+    assert albedo(by_curve, [(32, 16), (32, 48)]) == [red, green]
+    by_vertex = curves(lines + colors("(1,0,0), (0,1,0), (0,0,0), (1,1,1)", "vertex"))
+    ((r, g, b),) = albedo(by_vertex, [(32, 16)])
+    assert [r, g, b] == pytest.approx([0.5, 0.5, 0.0], abs=0.02)
