@@ -191,18 +191,50 @@ def test_varying_display_color(shot: MakeShot) -> None:
     assert not made.notices("skipped")
 
 
-def test_geom_subsets(shot: MakeShot) -> None:
-    subset = bound("GeomSubset", "G")
-    points = """
+FACES = """
 point3f[] points = [(0,0,0),(1,0,0),(0,1,0)]
-int[] faceVertexCounts = [3]
-int[] faceVertexIndices = [0,1,2]
+int[] faceVertexCounts = [3, 3]
+int[] faceVertexIndices = [0,1,2,2,1,0]
+uniform token subdivisionScheme = "none"
 """
-    body = f'def Mesh "S"\n{{\nuniform token subdivisionScheme = "none"\n{points}\n{subset}\n}}'
+
+
+def subset(indices: str, family: str = "materialBind", name: str = "G") -> str:
+    inside = f'uniform token familyName = "{family}"\nint[] indices{indices}'
+    return bound("GeomSubset", name).replace("{", "{\n" + inside, 1)
+
+
+def test_geom_subsets(shot: MakeShot) -> None:
+    body = f'def Mesh "S"\n{{\n{FACES}\n{subset(" = [1]")}\n}}'
     made = shot(material("").replace(BOUND, body))
-    assert worn(made).path == DEFAULT_MATERIAL
-    (text,) = made.notices("unsupported")
-    assert text.endswith(": /S")
+    state = made.read().objects["/S"]
+    assert state.material == DEFAULT_MATERIAL
+    assert state.shape.face_materials == ("/M",)
+    assert state.attributes["/S/G.material:binding"] == "/M"
+    assert not made.notices("unsupported") + made.notices("skipped")
+
+
+def test_subsets_of_other_families_bind_nothing(shot: MakeShot) -> None:
+    body = f'def Mesh "S"\n{{\n{FACES}\n{subset(" = [1]", "parts")}\n}}'
+    made = shot(material("").replace(BOUND, body))
+    assert made.read().objects["/S"].shape.face_materials == ()
+
+
+def test_wrong_subsets_are_named(shot: MakeShot) -> None:
+    body = f'def Mesh "S"\n{{\n{FACES}\n{subset(" = [1, 2]")}\n}}'
+    made = shot(material("").replace(BOUND, body))
+    assert made.read().objects["/S"].shape.face_materials == ("/M",)
+    (text,) = made.notices("skipped")
+    assert "a subset names faces that are not there: expected 0 to 1" in text
+    assert "/S/G.indices" in text
+
+
+def test_subsets_over_time(shot: MakeShot) -> None:
+    body = f'def Mesh "S"\n{{\n{FACES}\n{subset(".timeSamples = { 1: [0], 2: [0], 3: [1] }")}\n}}'
+    made = shot(material("").replace(BOUND, body), frames=(1, 2, 3))
+    first, second, third = (made.read(time).objects["/S"] for time in (1, 2, 3))
+    assert first is second
+    assert third is not first
 
 
 def test_instances_bind_by_their_own_paths(shot: MakeShot) -> None:

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from conftest import MakeShot, ReadShot
+from irt_usd import _core
+from irt_usd.stage import ReadOptions
 
 QUADS = """
 int[] faceVertexCounts = [4, 4]
@@ -37,11 +39,24 @@ def test_polygons_arrive_as_authored(shot: MakeShot) -> None:
     assert len(made.report.notices) == 1
 
 
-def test_subdivision_is_reported_once_with_paths(shot: MakeShot) -> None:
-    made = shot(mesh(QUADS) + "\n" + mesh(QUADS).replace('"M"', '"N"'))
-    assert len(made.read().objects) == 2
-    (text,) = made.notices("unsupported")
-    assert text == "not supported: subdivision (control cage rendered): /M, /N"
+def test_what_cannot_be_subdivided_is_the_control_cage(shot: MakeShot) -> None:
+    creases = "int[] creaseIndices = [0, 77]\nint[] creaseLengths = [2]\n"
+    body = QUADS + creases + "float[] creaseSharpnesses = [1]"
+    made = shot(mesh(body), options=ReadOptions(level=2))
+    geometry = made.read().objects["/M"].shape.geometry()
+    assert isinstance(geometry, _core.Mesh)
+    assert len(geometry.points) == 6
+    (text,) = made.notices("skipped")
+    assert "not subdivided, the control cage is rendered: creaseIndices name points" in text
+
+
+def test_subdivision_by_level(shot: MakeShot) -> None:
+    for level, faces in ((0, 2), (1, 8), (2, 32)):
+        made = shot(mesh(QUADS), options=ReadOptions(level=level))
+        geometry = made.read().objects["/M"].shape.geometry()
+        assert isinstance(geometry, _core.Mesh)
+        assert len(geometry.face_vertex_counts) == faces
+        assert not made.notices("unsupported")
 
 
 def normals(count: int, name: str = "normal3f[] normals", interpolation: str = "vertex") -> str:

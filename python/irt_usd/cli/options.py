@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from irt_usd.choices import MISSING_ASSET, PURPOSES, MissingAsset
+from irt_usd.choices import COMPLEXITY, MISSING_ASSET, PURPOSES, MissingAsset
 from irt_usd.cli.errors import VERBOSE
 from irt_usd.errors import InputError
 from irt_usd.shot.settings import AOV_NAMES, ShotOptions, TraceSettings, check_film_size
@@ -69,6 +69,7 @@ def shot_options(command: Command) -> Command:
         mask: str | None,
         asset_path: tuple[str, ...],
         missing_asset: MissingAsset,
+        complexity: str,
         texture_memory: str | None,
         **rest: Any,
     ) -> Any:
@@ -85,6 +86,7 @@ def shot_options(command: Command) -> Command:
             asset_path,
             missing_asset,
             parse_bytes("--texture-memory", texture_memory) if texture_memory else None,
+            complexity,
         )
         return command(*args, options=options, **rest)
 
@@ -143,6 +145,13 @@ def shot_options(command: Command) -> Command:
             metavar="SIZE",
             help="Most that textures may take, such as 512M or 4G: over it their finest levels are"
             " dropped, the largest first.",
+        ),
+        click.option(
+            "--complexity",
+            type=click.Choice(list(COMPLEXITY)),
+            default="low",
+            show_default=True,
+            help="How often the faces of subdivision meshes are cut: 0, 1, 2 or 3 times.",
         ),
         click.option("--strict", is_flag=True, help="Refuse what would be left out and reported."),
     )

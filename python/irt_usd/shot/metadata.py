@@ -35,6 +35,7 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         "irt:camera": shot.camera_path,
         "irt:cameraLight": int(shot.reader.camera_light),
         "irt:purposes": " ".join(shot.reader.purposes),
+        "irt:complexity": shot.options.complexity,
         "irt:missingAsset": shot.options.missing_asset,
         "irt:renderingColorSpace": shot.reader.colors.rendering,
         "irt:samples": settings.samples,

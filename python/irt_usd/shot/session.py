@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pxr import Usd
 
+from irt_usd.choices import COMPLEXITY
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.shot.frames import (
@@ -114,6 +115,7 @@ def _reading(options: ShotOptions) -> ReadOptions:
         camera=options.camera,
         purposes=options.purposes,
         camera_light=options.camera_light,
+        level=COMPLEXITY[options.complexity],
         size=options.size,
         missing_asset=options.missing_asset,
         texture_memory=options.texture_memory,

@@ -48,6 +48,8 @@ class ShotOptions:
     asset_path: tuple[str, ...] = ()
     missing_asset: MissingAsset = "fail"
     texture_memory: int | None = None
+    complexity: str = "low"
+    """A key of COMPLEXITY."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UsdGeomMesh: the control cage as polygons, with authored normals or as facets."""
+"""UsdGeomMesh: polygons, or a subdivision surface as polygons that the core makes of it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from irt_usd.report import Report
+from irt_usd.stage import subdivision
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.primvars import Interpolation, Primvars, PrimvarValue, primvar_attributes
 from irt_usd.stage.skel import Skin
 from irt_usd.stage.snapshot import Shape
+from irt_usd.stage.subdivision import Subdivision
+from irt_usd.stage.subsets import FaceMaterials
 from irt_usd.stage.topology import Topology, TopologyError, integers
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.values import Value
@@ -28,7 +31,7 @@ _NAMES = (
     "holeIndices",
     "orientation",
     "doubleSided",
-    "subdivisionScheme",
+    *subdivision.NAMES,
     "normals",
     "primvars:normals",
     "primvars:normals:indices",
@@ -40,7 +43,8 @@ class MeshShape(Shape):
 
     Attributes: points (n, 3) float32, faceVertexCounts and faceVertexIndices int32 without the
     holes, normals (k, 3) float32 or None with "normals:interpolation", orientation, doubleSided
-    (None: not authored), and each primvar's values, ":indices" and ":interpolation".
+    (None: not authored), and each primvar's values, ":indices" and ":interpolation". Of
+    subdivision meshes: the control cage, holes included, and the attributes of its subdivision.
     """
 
     def __init__(
@@ -48,9 +52,13 @@ class MeshShape(Shape):
         attributes: Mapping[str, Value],
         extent: float,
         primvars: Mapping[str, PrimvarValue] = MappingProxyType({}),
+        faces: NDArray[np.int32] | None = None,
+        face_materials: tuple[str, ...] = (),
     ) -> None:
         self.attributes = {**attributes, **primvar_attributes(primvars)}
         self._primvars = primvars
+        self._faces = faces
+        self.face_materials = face_materials
         self.extent = extent
         """The largest absolute coordinate."""
         self._geometry: _core.Mesh | None = None
@@ -70,16 +78,32 @@ class MeshShape(Shape):
                 left_handed=values["orientation"] == "leftHanded",
                 single_sided=values["doubleSided"] is False,
                 primvars={name: primvar.core for name, primvar in self._primvars.items()},
+                face_materials=self._faces,
             )
         return self._geometry
+
+    def subdivide(self, rules: Subdivision) -> str | None:
+        """Makes the core's mesh of the refined cage; returns why it is the cage itself, if so."""
+        self._geometry, fault = rules.refine(self.geometry(), self.attributes)
+        return fault
 
 
 class MeshSource:
     """Reads one mesh, and of its primvars those that are `wanted` (without "primvars:")."""
 
     def __init__(
-        self, node: Node, report: Report, wanted: frozenset[str], skin: Skin | None = None
+        self,
+        node: Node,
+        report: Report,
+        wanted: frozenset[str],
+        skin: Skin | None = None,
+        level: int = 0,
+        subsets: Sequence[tuple[Usd.Prim, str]] = (),
     ) -> None:
+        """Cuts the faces of a subdivision mesh `level` times.
+
+        `subsets`: those that bind materials, and the names of these.
+        """
         self._report = report
         self._skin = skin
         self._skin_version = 0
@@ -91,15 +115,15 @@ class MeshSource:
         self._shape: Shape | None = None
         self._topology: Topology | None = None
         self._first = True
-        scheme = self._attributes.values["subdivisionScheme"]
-        if scheme != "none":
-            report.unsupported("subdivision (control cage rendered)", self._path)
+        self._faces = FaceMaterials(subsets, report) if subsets else None
+        self._subdivision = Subdivision(level)
 
     @property
     def varies(self) -> bool:
         """Whether the shape can differ between frames."""
         skinned = self._skin is not None and self._skin.varies and not self._skin.rigid
-        return self._attributes.vary or self._primvars.vary or skinned
+        faces = self._faces is not None and self._faces.vary
+        return self._attributes.vary or self._primvars.vary or skinned or faces
 
     def read(self, time: Usd.TimeCode) -> Shape | None:
         """The shape at `time` (the same object while nothing changes); None: nothing to draw."""
@@ -108,6 +132,8 @@ class MeshSource:
             self._skin.update(time)
             changed |= not self._skin.rigid and self._skin.version != self._skin_version
             self._skin_version = self._skin.version
+        if self._faces is not None:
+            changed |= self._faces.update(time)
         if self._primvars.update(time) or changed or self._first:
             self._first = False
             self._shape = self._build(time)
@@ -129,7 +155,10 @@ class MeshSource:
         if len(topology.counts) == 0:
             self._report.mentioned("empty mesh", self._path)
             return None
-        normals, interpolation = self._read_normals(len(points), topology, time)
+        smooth = self._subdivided
+        normals, interpolation = (
+            (None, "vertex") if smooth else self._read_normals(len(points), topology, time)
+        )
         authored = self._double_sided_authored
         shape = {
             "typeName": "Mesh",
@@ -141,23 +170,48 @@ class MeshSource:
             "orientation": values["orientation"],
             "doubleSided": values["doubleSided"] if authored else None,
         }
+        if smooth:
+            shape |= {name: values[name] for name in (*subdivision.NAMES, "holeIndices")}
+        faces = None
+        if self._faces is not None:
+            faces = self._faces.of_faces(topology.face_count, time)
+            kept = topology.kept("uniform")
+            faces = faces if faces is None or kept is None else faces[kept]
+            shape |= self._faces.attributes
         primvars = self._primvars.checked(
             lambda v: topology.size_fault(v.interpolation, v.elements(), len(points)), time
         )
-        return MeshShape(
+        made = MeshShape(
             shape,
             float(np.abs(points).max()),
             {name: _without_holes(value, topology) for name, value in primvars.items()},
+            faces,
+            self._faces.names if self._faces is not None and faces is not None else (),
         )
+        if smooth:
+            refusal = made.subdivide(self._subdivision)
+            if refusal is not None:
+                message = f"not subdivided, the control cage is rendered: {refusal}"
+                self._report.skipped(message, where(self._prim, "subdivisionScheme", time))
+            if not self.varies:
+                self._subdivision.forget()
+        return made
+
+    @property
+    def _subdivided(self) -> bool:
+        return self._attributes.values["subdivisionScheme"] in subdivision.SCHEMES
 
     def _read_topology(self, point_count: int, points: NDArray[np.float32]) -> Topology:
         values = self._attributes.values
-        arrays = [values[n] for n in ("faceVertexCounts", "faceVertexIndices", "holeIndices")]
+        # Holes shape a subdivision surface all the same: the core takes them out.
+        holes = None if self._subdivided else values["holeIndices"]
+        arrays = [values["faceVertexCounts"], values["faceVertexIndices"], holes]
         known = self._topology
         if known is None or not known.made_of(arrays):
             known = Topology(*arrays)
             self._topology = known
             known.check(point_count)
+            known.without_holes(values["holeIndices"])
             degenerate = known.degenerate_faces(points)
             if degenerate:
                 self._report.mentioned("degenerate faces, invisible", self._path)

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from pxr import Usd, UsdGeom
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
 from irt_usd.stage.values import Value, plain, same_bits
+
+if TYPE_CHECKING:
+    from irt_usd import _core
 
 Interpolation = Literal["constant", "uniform", "vertex", "faceVarying"]
 
@@ -26,11 +29,13 @@ class PrimvarValue:
     """(n, width), width from 1 to 4."""
     indices: NDArray[np.int32] | None
     """The value of each element; None: element i is value i."""
+    linear: bool = False
+    """Of a vertex primvar: whether subdivision, too, interpolates it linearly (USD's "varying")."""
 
     @property
-    def core(self) -> tuple[Interpolation, NDArray[np.float32], NDArray[np.int32] | None]:
+    def core(self) -> tuple["_core.Interpolation", NDArray[np.float32], NDArray[np.int32] | None]:
         """As _core.Mesh takes it."""
-        return self.interpolation, self.values, self.indices
+        return "varying" if self.linear else self.interpolation, self.values, self.indices
 
     @property
     def single(self) -> "PrimvarValue":
@@ -137,12 +142,12 @@ def _read(primvar: UsdGeom.Primvar, value: Value, indices: Value) -> PrimvarValu
     authored = str(primvar.GetInterpolation())
     interpolation = cast("Interpolation", "vertex" if authored == "varying" else authored)
     if indices is None:
-        return PrimvarValue(interpolation, narrowed, None)
+        return PrimvarValue(interpolation, narrowed, None, authored == "varying")
     into = np.array(indices, np.int32)
     if len(into) and (into.min() < 0 or into.max() >= len(narrowed)):
         worst = into.min() if into.min() < 0 else into.max()
         raise ValueError(f"index {worst} names none of its {len(narrowed)} values")
-    return PrimvarValue(interpolation, narrowed, into)
+    return PrimvarValue(interpolation, narrowed, into, authored == "varying")
 
 
 def constant_only(value: PrimvarValue) -> str | None:

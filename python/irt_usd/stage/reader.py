@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A shot, read frame by frame: what can vary is found once, and nothing else is read again."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -34,13 +34,13 @@ from irt_usd.stage.snapshot import (
     Snapshot,
     Vector,
 )
+from irt_usd.stage.subsets import material_subsets
 from irt_usd.stage.survey import survey
 from irt_usd.stage.transforms import Node
 
 _DEFAULT_WIDTH = 960
 
-_POINT_BASED: dict[str, type[MeshSource | PointsSource | CurvesSource]] = {
-    "Mesh": MeshSource,
+_POINT_BASED: dict[str, type[PointsSource | CurvesSource]] = {
     "Points": PointsSource,
     "BasisCurves": CurvesSource,
 }
@@ -60,13 +60,14 @@ class ReadOptions:
     of UsdGeom's are rendered; None: the render settings', or default and render. `camera_light`:
     whether a stage without a light that irt renders gets one at the camera. `size`: width and
     height in pixels. `missing_asset`: what becomes of a shot whose files are not all there.
-    `texture_memory`: bytes that textures may take. `textures`: those of another reader of the same
-    stage.
+    `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
+    may take. `textures`: those of another reader of the same stage.
     """
 
     camera: str | None = None
     purposes: tuple[str, ...] | None = None
     camera_light: bool = True
+    level: int = 0
     size: tuple[int, int] | None = None
     missing_asset: MissingAsset = "fail"
     texture_memory: int | None = None
@@ -140,7 +141,8 @@ class ShotReader:
         )
         """The texels of all materials."""
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
-        self._objects = self._bind(found.objects)
+        self._level = options.level
+        self._objects = self._bind(found.objects, found.subsets)
         if options.textures is None:
             self._find_textures()
         self._snapshot: Snapshot | None = None
@@ -195,7 +197,7 @@ class ShotReader:
             old.hidden if old and hidden == old.hidden else frozenset(hidden),
         )
 
-    def _bind(self, nodes: Sequence[Node]) -> list[ObjectSource]:
+    def _bind(self, nodes: Sequence[Node], divided: Container[str]) -> list[ObjectSource]:
         """Sources of the objects, and (in passing) of every material they wear."""
         sources = []
         skins = Skins(self._hierarchy, self._report)
@@ -203,14 +205,38 @@ class ShotReader:
         for node, (_, material) in zip(nodes, bindings, strict=True):
             name, wanted = self._materials.worn(node, material)
             skin = attempt(partial(skins.skin, node), node.prim, self._report)
-            make = partial(self._shape_source, node, wanted, skin)
+            subsets: list[tuple[Usd.Prim, str]] = []
+            if node.path in divided and node.prim.GetTypeName() == "Mesh":
+                subsets, read = self._subsets(node)
+                wanted |= read
+            make = partial(self._shape_source, node, wanted, skin, subsets)
             shape = attempt(make, node.prim, self._report)
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report, skin))
         return sources
 
-    def _shape_source(self, node: Node, wanted: frozenset[str], skin: Skin | None) -> ShapeSource:
+    def _subsets(self, node: Node) -> tuple[list[tuple[Usd.Prim, str]], frozenset[str]]:
+        """The subsets that bind materials, the names of these, and the primvars they read."""
+        prims = attempt(partial(material_subsets, node.prim), node.prim, self._report) or []
+        worn = []
+        read: frozenset[str] = frozenset()
+        for prim, (_, material) in zip(prims, bound_materials(prims, self._report), strict=True):
+            source = self._materials.bound(material)
+            if source is not None:
+                worn.append((prim, source.path))
+                read |= source.primvars
+        return worn, read
+
+    def _shape_source(
+        self,
+        node: Node,
+        wanted: frozenset[str],
+        skin: Skin | None,
+        subsets: list[tuple[Usd.Prim, str]],
+    ) -> ShapeSource:
         kind = str(node.prim.GetTypeName())
+        if kind == "Mesh":
+            return MeshSource(node, self._report, wanted, skin, self._level, subsets)
         if kind in _POINT_BASED:
             return _POINT_BASED[kind](node, self._report, wanted, skin)
         return QuadricSource(node, self._report, wanted)

@@ -26,6 +26,8 @@ class Shape(ABC):
     attributes: Mapping[str, Value]
     primvars: Mapping[str, PrimvarValue] = MappingProxyType({})
     """Of shapes without vertices: primvars of one element."""
+    face_materials: tuple[str, ...] = ()
+    """Keys of Snapshot.materials: those that faces wear instead of the object's."""
 
     @abstractmethod
     def geometry(self) -> "_core.Quadric | _core.Mesh | _core.Spheres | _core.Curves":
@@ -60,7 +62,8 @@ class ObjectState:
         """Sets the whole record in `changes`."""
         placed = self.shape.place(self.world_from_object)
         primvars = {name: value.single.core for name, value in self.shape.primvars.items()}
-        changes.set_object(self.path, self.shape.geometry(), placed, self.material, primvars)
+        faces = self.shape.face_materials
+        changes.set_object(self.path, self.shape.geometry(), placed, self.material, primvars, faces)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

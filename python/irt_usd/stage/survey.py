@@ -5,7 +5,7 @@ from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
-from pxr import Usd, UsdGeom, UsdLux, UsdShade, UsdVol
+from pxr import Usd, UsdGeom, UsdLux, UsdVol
 
 from irt_usd.report import Report
 from irt_usd.stage import lights, quadrics
@@ -34,6 +34,8 @@ class Survey:
     hierarchy: Hierarchy
     objects: list[Node] = field(default_factory=list)
     lights: list[Node] = field(default_factory=list)
+    subsets: set[str] = field(default_factory=set)
+    """Paths of prims that have GeomSubsets."""
 
 
 def stage_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
@@ -79,7 +81,8 @@ def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
         found.lights.append(node)
         found.hierarchy.require(node)
     elif kind == "GeomSubset":
-        _report_subset(node, report)
+        if node.parent is not None:
+            found.subsets.add(node.parent.path)
     elif kind in _NOT_RENDERED:
         report.unsupported(_NOT_RENDERED[kind], node.path)
     elif not kind or kind in ("Xform", "Scope"):
@@ -88,11 +91,3 @@ def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
         report.unsupported(f"{kind} lights", node.path)
     elif prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdVol.Volume):
         report.unsupported(f"{kind} prims", node.path)
-
-
-def _report_subset(node: Node, report: Report) -> None:
-    bindings = UsdShade.Tokens.materialBinding
-    authored = node.prim.GetAuthoredPropertyNames()
-    if any(name == bindings or name.startswith(f"{bindings}:") for name in authored):
-        path = node.parent.path if node.parent else node.path
-        report.unsupported("GeomSubset materials (the mesh's own rendered)", path)

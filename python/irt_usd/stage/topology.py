@@ -36,7 +36,7 @@ class Topology:
                 f"the face vertex counts sum to {corners}, but there are "
                 f"{len(self._all_indices)} faceVertexIndices; expected as many",
             )
-        self._kept_faces = self._without_holes(holes)
+        self._kept_faces = self.without_holes(holes)
         self.counts = self._all_counts
         self.indices = self._all_indices
         if self._kept_faces is not None:
@@ -79,6 +79,11 @@ class Topology:
             flat &= np.add.reduceat(cross, starts) == 0
         return degenerate + int(flat.sum())
 
+    @property
+    def face_count(self) -> int:
+        """Of all faces, holes included."""
+        return len(self._all_counts)
+
     def size_fault(self, interpolation: str, size: int, point_count: int) -> str | None:
         """What is wrong with `size` elements of this interpolation, if anything."""
         sizes = {
@@ -102,7 +107,8 @@ class Topology:
             return None
         return self._kept_faces if interpolation == "uniform" else self._kept_corners
 
-    def _without_holes(self, holes: Value) -> NDArray[np.bool_] | None:
+    def without_holes(self, holes: Value) -> NDArray[np.bool_] | None:
+        """Which faces `holes` leaves; None: all. Raises TopologyError where it names none."""
         if holes is None or (isinstance(holes, np.ndarray) and len(holes) == 0):
             return None
         faces = integers("holeIndices", holes)
