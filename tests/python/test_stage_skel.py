@@ -324,3 +324,15 @@ def test_updates_are_exact(tmp_path: Path) -> None:
     path.write_text(head + rigged(influences() + SHAPES + NORMALS) + CAMERA)
     result = irt("verify", str(path), "--size", "40x40", "-q")
     assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("kind", ["Points", "BasisCurves"])
+def test_points_and_curves_are_skinned_as_meshes_are(shot: MakeShot, kind: str) -> None:
+    body = influences() + BIND + SHAPES
+    own = "float[] widths = [1, 1, 1, 1]\nint[] curveVertexCounts = [4]\n"
+    skinned = rigged(body + own).replace('def Mesh "M"', f'def {kind} "M"')
+    of_mesh, of_kind = shot(rigged(body), name="mesh.usda"), shot(skinned)
+    for time in (1, 2, 3, 5):
+        expected = world_points(of_mesh.read(time).objects["/R/M"])
+        assert (world_points(of_kind.read(time).objects["/R/M"]) == expected).all()
+    assert not of_kind.notices("skipped")
