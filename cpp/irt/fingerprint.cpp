@@ -18,17 +18,53 @@ namespace irt {
 
 namespace {
 
-/// Glass, mirror and matt objects of three kinds under two lights: every path of the arithmetic.
+/// Noise of a multiplicative congruence, as sRGB.
+std::shared_ptr<const Texture> fixed_texture() {
+    constexpr int side = 13;
+    const std::shared_ptr<std::byte[]> texels(new std::byte[side * side * 4]);
+    std::uint32_t random = 1;
+    for (int i = 0; i < side * side * 4; ++i) {
+        random = random * 1664525u + 1013904223u;
+        texels[i] = static_cast<std::byte>(random >> 24);
+    }
+    Tile tile;
+    tile.levels.push_back({side, side, {texels, texels.get()}});
+    return std::make_shared<const Texture>(std::vector<Tile>{tile}, Transfer::Srgb,
+                                           std::array<double, 9>{0.9, 0.1, 0, 0, 1, 0, 0.1, 0, 0.9},
+                                           false);
+}
+
+/// Its colour, roughness and normals by a texture, turned and repeated.
+Material textured() {
+    Material material;
+    ShadeNode st, turned, texel;
+    st.op = Op::Primvar;
+    st.primvar = "st";
+    turned.op = Op::Transform2d;
+    turned.inputs[0] = 0;
+    turned.constants[1] = {3, 2, 0, 0};
+    turned.constants[2] = {20, 0, 0, 0};
+    texel.op = Op::Texture;
+    texel.inputs[0] = 1;
+    texel.texture = fixed_texture();
+    material.nodes = {st, turned, texel};
+    for (const SurfaceInput input : {SurfaceInput::DiffuseColor, SurfaceInput::Normal})
+        material.connected[static_cast<std::size_t>(input)] = {2, Connection::rgb};
+    material.connected[static_cast<std::size_t>(SurfaceInput::Roughness)] = {2, 3};
+    return material;
+}
+
+/// Glass, mirror and textured objects of three kinds under two lights: every path of the
+/// arithmetic.
 ChangeSet fixed_scene() {
     ChangeSet changes;
-    Material matt, mirror, glass;
-    matt.diffuse_color = {0.6f, 0.4f, 0.3f};
+    Material mirror, glass;
     mirror.metallic = 1;
     mirror.roughness = 0.05f;
     glass.opacity = 0.15f;
     glass.diffuse_color = {0.9f, 0.7f, 0.8f};
     glass.roughness = 0;
-    changes.materials = {{"/matt", matt}, {"/mirror", mirror}, {"/glass", glass}};
+    changes.materials = {{"/mirror", mirror}, {"/glass", glass}, {"/ground", textured()}};
 
     const auto place = [](double x, double y, double z) {
         M44d m;
@@ -43,9 +79,10 @@ ChangeSet fixed_scene() {
     ground->points = {{-9, -1, -9}, {9, -1, -9}, {9, -1.3f, 9}, {-9, -0.9f, 9}};
     ground->face_vertex_counts = {4};
     ground->face_vertex_indices = {3, 2, 1, 0};
+    ground->primvars = {{"st", Interpolation::Vertex, 2, {0, 0, 1, 0, 1, 1, 0, 1}, {}}};
     changes.objects["/ball"] = Object{sphere, place(-1, 0.1, -6), "/mirror"};
     changes.objects["/cone"] = Object{cone, place(1.2, 0.2, -5), "/glass"};
-    changes.objects["/ground"] = Object{std::shared_ptr<const Mesh>(ground), M44d(), "/matt"};
+    changes.objects["/ground"] = Object{std::shared_ptr<const Mesh>(ground), M44d(), "/ground"};
 
     Light sun, lamp;
     sun.direction = {0.3, -1, -0.4};
@@ -84,6 +121,11 @@ std::string numeric_fingerprint(const std::string& isa) {
     for (int i = 1; i <= 1024; ++i) {
         values.push_back(libm::log2(i / 1024.0));
         values.push_back(libm::exp2(-i / 37.0));
+        values.push_back(libm::pow(i / 1024.0, 2.4));
+        values.push_back(libm::exp(-i / 37.0));
+        values.push_back(libm::log(i / 37.0));
+        values.push_back(libm::sin(i / 652.0));
+        values.push_back(libm::cos(i / 652.0));
     }
     XXH3_64bits_update(&state, values.data(), values.size() * sizeof(double));
 

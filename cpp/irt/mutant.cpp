@@ -31,7 +31,7 @@ const std::vector<std::string>& mutant_names() {
         "union_without_shadows", "cut_off_not_rewalked", "branch_ray_kept", "node_reused",
         "tints_in_order",        "search_ends_short",    "no_box_pad",      "energy_rescaled",
         "tint_departed_ignored", "still_tint_ignored",   "rebound_ignored", "future_ignored",
-        "lights_by_place"};
+        "footprint_restarted",   "tint_graph_ignored",   "lights_by_place"};
     return names;
 }
 

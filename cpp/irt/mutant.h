@@ -33,6 +33,8 @@ enum class Mutant {
     still_tint_ignored,     ///< glass that turned darker in its place is taken for nothing
     rebound_ignored,        ///< a mask bit of another material does not shade a rebound object
     future_ignored,         ///< what a shot will move is taken to stay
+    footprint_restarted,    ///< a spawned ray's cone is taken to begin at its origin
+    tint_graph_ignored,     ///< glass whose tint is textured is taken to tint as it did
     lights_by_place,        ///< lights are known again by their place, not by their path
 };
 

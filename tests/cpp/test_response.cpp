@@ -157,5 +157,45 @@ TEST(Response, CutOutsLetRaysPassAsTheyCame) {
     EXPECT_EQ(s.reflect_weight, V3d(0, 0, 0));
 }
 
+/// The coat's lobe is that of a surface that has nothing else, times its share.
+TEST(Response, ClearCoatIsAWhiteLobeOverTheOthers) {
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<double> polar(0.01, 1.5), azimuth(0, 6.28);
+    for (int trial = 0; trial < 200; ++trial) {
+        Material base = random_material(random), coated = base, alone;
+        coated.clearcoat = 0.5f;
+        coated.clearcoat_roughness = alone.roughness = 0.3f;
+        alone.ior = base.ior;
+        alone.diffuse_color = {0, 0, 0};
+        const V3d a = direction(polar(random), azimuth(random)),
+                  b = direction(polar(random), azimuth(random));
+        const V3d gain = reflected_share(make_response(coated, 0.1), up, a, b) -
+                         reflected_share(make_response(base, 0.1), up, a, b);
+        const V3d expected = reflected_share(make_response(alone, 0.1), up, a, b) * 0.5;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(gain[c], expected[c], 1e-12 * (1 + expected[c]));
+    }
+}
+
+/// At normal incidence a coat of index 1.5 reflects 4 %, and a rough base leaves the ray to it.
+TEST(Response, ClearCoatMirrorsByItsFresnel) {
+    Material m;
+    m.clearcoat = 0.75f;
+    m.roughness = 1;
+    const Spawned s = spawn(make_response(m, 0.1), -up, up, up, true);
+    EXPECT_EQ(s.refract_weight, V3d(0, 0, 0));
+    EXPECT_EQ(s.reflect_direction, up);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(s.reflect_weight[c], 0.75 * 0.04, 1e-15);
+    m.clearcoat_roughness = 0.5f;
+    EXPECT_EQ(spawn(make_response(m, 0.1), -up, up, up, true).reflect_weight, V3d(0, 0, 0));
+}
+
+TEST(Response, UncoatedMaterialsHaveNoCoat) {
+    Material m;
+    m.roughness = 0;
+    const Response r = make_response(m, 0.1);
+    EXPECT_FALSE(r.coat_mirror);
+    EXPECT_EQ(spawn(r, -up, up, up, true).reflect_weight, fresnel(r, 1));
+}
+
 }  // namespace
 }  // namespace irt::shade

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from hypothesis import strategies as st
 
 import scenes
+import textures
 from irt_usd import _core
 from scenes import BOX, CLOUD, LOCK, Edit
 
@@ -22,6 +23,7 @@ MORE = ("frustum", "round_cone", "points", "curves", "points", "curves")
 NAMES = ("/a", "/b", "/c", "/d", "/e")
 MANY = ("/cloud", "/lock", "/ring")
 MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
+PAPERS = ("/paper", "/tiles", "/lace", "/stained", "/screen")
 LIGHTS = ("/key", "/fill")
 
 COORDINATES = (0.0, 1.0, -1.0, 0.5, -0.5, 2.0, -2.0, 1.0 / 3.0)
@@ -49,6 +51,24 @@ LOOKS: dict[str, Sequence[Any]] = {
 }
 
 
+IMAGES = (
+    ("noise", 1, 8, 3, "u1"),
+    ("noise", 2, 1, 1, "u1"),
+    ("noise", 3, 5, 4, "u2"),
+    ("noise", 4, 16, 2, "f2"),
+    ("noise", 5, 3, 4, "f4"),
+    ("bumps", 6, 8),
+)
+WRAPS = ("black", "clamp", "repeat", "mirror")
+RETEXTURES: dict[str, Sequence[Any]] = {
+    "scale": (1.0, 0.5, 2.0, (2, 2, 2, 1)),
+    "bias": (0.0, 0.25, -0.5, (-1, -1, -1, 0)),
+    "turn": ((1.0, 0.0, 0.0), (2.0, 90.0, 0.5), (0.3, 17.0, 0.125), (-1.0, 45.0, 3.0)),
+    "wrap": tuple((s, t) for s in WRAPS for t in WRAPS),
+    "channel": ("r", "a"),
+}
+
+
 def diagonal(scales: Sequence[float]) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(s if i == k else 0.0 for k in range(3)) for i, s in enumerate(scales))
 
@@ -62,7 +82,9 @@ def point(pick: Pick) -> tuple[float, ...]:
 
 
 def geometry(pick: Pick) -> tuple[Any, ...]:
-    kind = pick(("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "pair", *MORE))
+    kind = pick(
+        ("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "sheet", "pair", *MORE)
+    )
     if kind in ("frustum", "round_cone"):
         return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
     if kind == "points":
@@ -106,6 +128,11 @@ def look(pick: Pick) -> dict[str, Any]:
     }
 
 
+def texture(pick: Pick) -> dict[str, Any]:
+    values = {name: pick(options) for name, options in RETEXTURES.items() if name != "channel"}
+    return textures.texture(pick(IMAGES), transfer=pick(("linear", "srgb")), **values)
+
+
 EDITS: dict[str, Callable[[Pick], Edit]] = {
     "move": lambda pick: ("move", pick(NAMES), transform(pick)),
     "shift": lambda pick: ("shift", pick((*NAMES, "/floor")), tuple(pick(OFFSETS) for _ in "xyz")),
@@ -140,6 +167,19 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "rebind": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(MATERIALS)),
     "material": lambda pick: ("material", pick(MATERIALS), material(pick)),
     "look": lambda pick: ("look", pick(MATERIALS), look(pick)),
+    "texture": lambda pick: (
+        "texture",
+        pick((*MATERIALS, *PAPERS)),
+        pick((*textures.SCALARS, *textures.COLORS, "normal")),
+        pick((texture(pick), None)),
+    ),
+    "scale and bias": lambda pick: (
+        "retexture",
+        pick(PAPERS),
+        {name: pick(RETEXTURES[name]) for name in (pick(tuple(RETEXTURES)),)},
+    ),
+    "paper": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(PAPERS)),
+    "paper's look": lambda pick: ("look", pick(PAPERS), look(pick)),
     "light": lambda pick: ("light", pick(LIGHTS), light(pick)),
     "light off": lambda pick: ("dark", pick(LIGHTS)),
     "light aimed": lambda pick: ("aim", pick(LIGHTS), pick(DIRECTIONS)),
@@ -152,6 +192,7 @@ STARTS: dict[str, Callable[[], scenes.State]] = {
     "glass": scenes.glass_before_floor,
     "crowd": scenes.crowd,
     "hall": scenes.hall,
+    "papered": scenes.papered,
 }
 
 

@@ -4,10 +4,11 @@
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
 ("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
 height), ("box", single_sided, corners[, faces, paints]), its faces' materials by place in paints, 0
-the object's own, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width),
-...)) or ("pair", radius, material), an instance; a material is the arguments of _core.Material; a
-light is ("distant", direction, irradiance, casts_shadows) or ("point", position, intensity,
-casts_shadows). Records of _core may stand in their place.
+the object's own, ("sheet", size, tiling), a square mesh, ("points", ((x, y, z, width), ...)),
+("curves", basis, wrap, ((x, y, z, width), ...)) or ("pair", radius, material), an instance; a
+material is the arguments of _core.Material, and perhaps "textured", see textures.py; a light is
+("distant", direction, irradiance, casts_shadows) or ("point", position, intensity, casts_shadows).
+Records of _core may stand in their place.
 """
 
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+import textures
 from irt_usd import _core
 
 AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
@@ -34,6 +36,7 @@ LOCK = (
 BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
+CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
 
 
 @cache
@@ -44,8 +47,10 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         single_sided, corners, *paint = sizes
         points = np.array(corners, np.float32)
         counts = np.full(6, 4, np.int32)
+        tiled = np.concatenate([CORNERS * (1 + face) - 0.25 for face in range(6)])
+        st = {"st": ("faceVarying", tiled, None)}
         if not paint or not any(paint[0]):
-            return _core.Mesh(points, counts, BOX_FACES, single_sided=single_sided)
+            return _core.Mesh(points, counts, BOX_FACES, single_sided=single_sided, primvars=st)
         # Painted faces have normals of their own, too.
         faces = np.array(paint[0], np.int32)
         normals = np.array([(1, f, 0.5) for f in faces], np.float32)
@@ -56,8 +61,18 @@ def geometry(shape: tuple[Any, ...]) -> Any:
             normals,
             "uniform",
             single_sided=single_sided,
-            primvars={"paint": ("uniform", normals, None)},
+            primvars=st | {"paint": ("uniform", normals, None)},
             face_materials=faces - 1,
+        )
+    if kind == "sheet":
+        size, tiling = sizes
+        points = np.zeros((4, 3), np.float32)
+        points[:, :2] = (CORNERS - 0.5) * size
+        return _core.Mesh(
+            points,
+            np.array([4], np.int32),
+            np.arange(4, dtype=np.int32),
+            primvars={"st": ("vertex", CORNERS * np.float32(tiling), None)},
         )
     if kind == "pair":
         radius, material = sizes
@@ -83,7 +98,11 @@ def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, ...]:
 
 
 def material_record(material: Any) -> _core.Material:
-    return _core.Material(**material) if isinstance(material, dict) else material
+    if not isinstance(material, dict):
+        return material
+    values = dict(material)
+    graph = textures.graph(values.pop("textured", {}))
+    return _core.Material(**values, **graph)
 
 
 def light_record(light: Any) -> Any:
@@ -241,6 +260,22 @@ class State:
         if isinstance(self.materials.get(name), dict):
             self.materials[name] = {**self.materials[name], **values}
 
+    def _texture(self, name: str, input_name: str, texture: Any) -> None:
+        """Connects an input of a material to a texture; or to none, where that is None."""
+        if isinstance(material := self.materials.get(name), dict):
+            textured = {**material.get("textured", {}), input_name: texture}
+            if texture is None:
+                del textured[input_name]
+            self.materials[name] = {**material, "textured": textured}
+
+    def _retexture(self, name: str, values: dict[str, Any]) -> None:
+        """Other wraps, scales, biases or transforms of all textures of a material."""
+        if isinstance(material := self.materials.get(name), dict):
+            textured = {
+                key: {**texture, **values} for key, texture in material.get("textured", {}).items()
+            }
+            self.materials[name] = {**material, "textured": textured}
+
     def _light(self, name: str, light: Any) -> None:
         self.lights[name] = light
 
@@ -271,6 +306,31 @@ def as_tuples(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(row) for row in matrix.tolist())
 
 
+def papers() -> list[Edit]:
+    """Textured materials."""
+    paint = textures.texture(("noise", 1, 8, 3, "u1"), transfer="srgb")
+    bumps = textures.texture(("bumps", 2, 16), scale=(2, 2, 2, 1), bias=(-1, -1, -1, 0))
+    gloss = textures.texture(("noise", 3, 4, 1, "f2"), scale=(0.3,) * 4, wrap=("mirror", "clamp"))
+    holes = textures.texture(("noise", 4, 8, 4, "u2"), channel="a")
+    tint = textures.texture(("noise", 5, 4, 3, "f4"), turn=(2.0, 30.0, 0.25))
+    return [
+        ("material", "/paper", {"textured": {"diffuse_color": paint}}),
+        (
+            "material",
+            "/tiles",
+            {"metallic": 0.5, "clearcoat": 0.5, "clearcoat_roughness": 0.4}
+            | {"textured": {"diffuse_color": paint, "normal": bumps, "roughness": gloss}},
+        ),
+        ("material", "/lace", {"opacity_threshold": 0.5, "textured": {"opacity": holes}}),
+        (
+            "material",
+            "/stained",
+            {"roughness": 0.0, "textured": {"diffuse_color": tint, "opacity": holes}},
+        ),
+        ("material", "/screen", {"textured": {"emissive_color": paint}}),
+    ]
+
+
 def initial() -> State:
     """Every material in its first form, a floor, and one light."""
     state = State()
@@ -281,6 +341,7 @@ def initial() -> State:
             ("material", "/mirror", {"metallic": 1.0, "roughness": 0.0}),
             ("material", "/lamp", {"emissive_color": (1, 1, 1)}),
             ("material", "/leaf", {"opacity": 0.2, "opacity_threshold": 0.5}),
+            *papers(),
             ("object", "/floor", ("plane", 8.0, 8.0), floor(), "/red"),
             ("object", "/a", ("sphere", 0.5), floor(1.0), "/glass"),
             ("light", "/key", ("distant", (0.3, -1.0, -0.2), (1.0, 1.0, 0.9), True)),
@@ -326,6 +387,24 @@ def hall() -> State:
         matrix = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (i % 6 - 2.5, i // 6 - 1.5, -8, 1))
         ball = ("sphere", 0.5) if i % 3 else ("box", False, BOX)
         state.apply([("object", f"/wall/{i:02}", ball, matrix, ("/red", "/mirror")[i % 2])])
+    return state
+
+
+def papered() -> State:
+    """Textures on everything that they can change: a floor whose normals and roughness vary, so
+    that mirrors begin and end on it; a cut-out and a pane between it and the light."""
+    state = initial()
+    above = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (-1.0, 0.0, -4, 1))
+    state.apply(
+        [
+            ("object", "/floor", ("sheet", 8.0, 3.0), floor(), "/tiles"),
+            ("object", "/b", ("box", False, BOX), floor(0.7), "/paper"),
+            ("object", "/c", ("sheet", 2.0, 1.0), floor(2.0), "/lace"),
+            ("object", "/d", ("sheet", 2.0, 2.0), above, "/stained"),
+            ("object", "/e", ("pair", 0.75, "/screen"), floor(1.5), "/red"),
+            ("light", "/fill", ("point", (0.5, 2.0, -3.0), (8.0, 4.0, 4.0), True)),
+        ]
+    )
     return state
 
 

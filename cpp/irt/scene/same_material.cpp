@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "irt/math/bits.h"
+#include "irt/mutant.h"
 #include "irt/scene/compile.h"
 #include "irt/scene/equality.h"
 
@@ -69,6 +70,7 @@ bool same(const Material& a, const Material& b) {
 
 bool same_tint(const Material& a, const Material& b) {
     if (!tint_varies(a) && !tint_varies(b)) return shadow_depth(a) == shadow_depth(b);
+    if (mutated(Mutant::tint_graph_ignored)) return true;
     SameGraph same_graph(a, b);
     return same_bits(a.diffuse_color, b.diffuse_color) && same_bits(a.opacity, b.opacity) &&
            same_bits(a.opacity_threshold, b.opacity_threshold) &&

@@ -135,9 +135,10 @@ void CellUpdate::keep_lights() {
 
 void CellUpdate::detect() {
     if (!plan_.regions.empty()) {
-        table_.for_each_flagged(trees_.paths, [&](std::size_t n) {
-            lists_.flagged.push_back(static_cast<NodeIndex>(n));
-        });
+        if (plan_.geometry_differs)
+            table_.for_each_flagged(trees_.paths, [&](std::size_t n) {
+                lists_.flagged.push_back(static_cast<NodeIndex>(n));
+            });
         for (std::uint32_t l = 0; l < lights_.size(); ++l)
             table_.for_each_flagged(trees_.lights[l].paths, [&](std::size_t p) {
                 lists_.flagged_shadows.push_back({static_cast<PointIndex>(p), l});
@@ -304,7 +305,7 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     const double t_end = lights_[light].record.kind == LightKind::Distant
                              ? std::numeric_limits<double>::infinity()
                              : 1.0;
-    const bool arrives = plan_.arrivals.may_meet(from, to_light, t_end);
+    const bool arrives = plan_.shadowing.may_meet(from, to_light, t_end);
     const bool clear = !blocked && was.depth == trace::OpticalDepth{};
     if (known && !blocked && !arrives &&
         (clear || !plan_.tint_departed || !plan_.departures.may_meet(from, to_light, t_end)))
@@ -464,7 +465,7 @@ trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
 /// The lengths of the rays that led to this node's, summed from the root on as shade::Whitted does.
 double CellUpdate::travelled(NodeIndex index) const {
     const NodeIndex parent = trees_.nodes[index].parent;
-    if (parent & history::root_bit) return 0;
+    if ((parent & history::root_bit) || mutated(Mutant::footprint_restarted)) return 0;
     return travelled(parent) + shade::Shading::length(trees_.ray(parent), trees_.nodes[parent].t);
 }
 

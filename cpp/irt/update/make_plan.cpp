@@ -81,8 +81,10 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     for (const std::uint32_t slot : applied.geometry) {
         plan.geometry_changed[slot] = plan.tint_changed[slot] = true;
         plan.arrivals.add(intersector.box(slot), slack);
+        plan.shadowing.add(intersector.box(slot), slack);
         footprints.add(scene.objects()[slot]);
     }
+    plan.geometry_differs = !applied.geometry.empty();
     for (const trace::Box& box : old_boxes) plan.departures.add(box, slack);
     for (const ObjectSlot& object : applied.previous) {
         plan.tint_departed = plan.tint_departed || lets_light_through(scene, object);
@@ -95,7 +97,7 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
         plan.tint_changed[slot] = true;
         if (plan.geometry_changed[slot]) continue;
         plan.still_tint_changed = true;
-        plan.arrivals.add(intersector.box(slot), slack);
+        plan.shadowing.add(intersector.box(slot), slack);
         footprints.add(scene.objects()[slot]);
     }
     plan.regions = footprints.regions();

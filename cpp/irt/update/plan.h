@@ -39,9 +39,11 @@ struct Plan {
     std::uint64_t material_mask = 0;
     /// Some object that changed let light through before: shadow rays do not name it.
     bool tint_departed = false;
-    /// Where C, and what changed its tint, now are; where C was. Enlarged by Intersector::pad, so
-    /// that a segment found by rounding other than its ray's own may stand for the ray.
-    Boxes arrivals, departures;
+    bool geometry_differs = false;  ///< C is not empty
+    /// Where C now is; where C was; where C, and what changed its tint, now are. Enlarged by
+    /// Intersector::pad, so that a segment found by rounding other than its ray's own may stand for
+    /// the ray.
+    Boxes arrivals, departures, shadowing;
     history::Regions regions;  ///< the voxels of both: change flags on voxels
     /// By light: its place before, if it casts the same rays as then.
     std::vector<std::optional<std::size_t>> kept_lights;
