@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The textures of a shot: decoded once each, at first use, within a limit of memory."""
 
+import os
 from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from irt_usd.stage.graph import TextureReference, Wrap, WrapMode
 from irt_usd.stage.missing import missing_text, report_missing
 
 _FIRST_TILE, _LAST_TILE = 1001, 1100
-_THREADS = 4
+_THREADS = min(8, os.cpu_count() or 1)
 _ALPHAS = {1: False, 2: True, 3: False, 4: True}
 
 
