@@ -140,10 +140,11 @@ class Prototype:
 class Texture:
     """An image, or the tiles of a UDIM, with its mip pyramid.
 
-    Each tile: (u, v, texels), texels (h, w) or (h, w, c), c 1 to 4, uint8, uint16 (both standing for
-    [0, 1]), float16 or float32, the first row the top one; st (0, 0) is the bottom left corner. One
-    channel gives (r, r, r, 1), two (r, r, r, g), three (r, g, b, 1). Arrays in C order are shared,
-    not copied: they must not be written to any more. Tiles that are no UDIM's are one, at (0, 0).
+    Each tile: (u, v, texels), texels (h, w) or (h, w, c), c 1 to 4, uint8, uint16 (both standing
+    for [0, 1]), float16 or float32, the first row the top one; st (0, 0) is the bottom left corner.
+    One channel gives (r, r, r, 1), two (r, r, r, g), three (r, g, b, 1). Arrays in C order are
+    shared, not copied: they must not be written to any more. Tiles that are no UDIM's are one, at
+    (0, 0).
 
     `transfer` is that of the colour channels; `matrix` takes linear RGB, as a column, to the
     rendering space, after filtering.
