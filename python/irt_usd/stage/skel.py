@@ -300,7 +300,8 @@ class Skins:
         self._cache = UsdSkel.Cache()
         self._roots: dict[Sdf.Path, dict[Sdf.Path, UsdSkel.Skeleton]] = {}
         self._poses: dict[Sdf.Path, Pose] = {}
-        self._nodes: dict[str, Node] | None = None
+        self._nodes: dict[str, list[Node]] = {}
+        self._nodes_read = 0
 
     def skin(self, node: Node) -> Skin | None:
         """What deforms `node`; None if nothing does. A binding that is broken is reported."""
@@ -319,14 +320,26 @@ class Skins:
             return None
         if not query.HasJointInfluences() and not query.HasBlendShapes():
             return None
-        if self._nodes is None:
-            self._nodes = {known.path: known for known in self._hierarchy.nodes}
-        place = self._nodes[str(skeleton.GetPath())]
+        place = self._place(skeleton, node)
+        if place is None:
+            message = f"its skeleton is not drawn along with it; {_UNDEFORMED}"
+            self._report.skipped(message, where(node.prim, "skel:skeleton", _ANY_TIME))
+            return None
         self._hierarchy.require(place)
         pose = self._poses.get(skeleton.GetPath())
         if pose is None:
             pose = self._poses[skeleton.GetPath()] = Pose(self._cache.GetSkelQuery(skeleton))
         return Skin(node, place, pose, query, self._report)
+
+    def _place(self, skeleton: UsdSkel.Skeleton, node: Node) -> Node | None:
+        """The node of `skeleton`, in the tree of `node` if it is in several."""
+        if self._nodes_read != len(self._hierarchy.nodes):
+            self._nodes.clear()
+            for known in self._hierarchy.nodes:
+                self._nodes.setdefault(known.path, []).append(known)
+            self._nodes_read = len(self._hierarchy.nodes)
+        places = self._nodes.get(str(skeleton.GetPath()), [])
+        return next((p for p in places if _top(p) is _top(node)), places[0] if places else None)
 
     def _skeletons(self, root: UsdSkel.Root) -> dict[Sdf.Path, UsdSkel.Skeleton]:
         """Under `root`, the skeleton of each prim that has one."""
@@ -343,6 +356,12 @@ class Skins:
 
 
 _ANY_TIME = Usd.TimeCode.EarliestTime()
+
+
+def _top(node: Node) -> Node:
+    while node.parent is not None:
+        node = node.parent
+    return node
 
 
 def _same(a: Vt.Matrix4dArray | Vt.FloatArray, b: Vt.Matrix4dArray | Vt.FloatArray) -> bool:
