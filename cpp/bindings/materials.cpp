@@ -139,7 +139,8 @@ using Connected = std::map<std::string, std::pair<std::int32_t, std::string>>;
 Material make_material(const Triple& diffuse, const Triple& emissive, const Triple& specular,
                        bool specular_workflow, float metallic, float roughness, float clearcoat,
                        float clearcoat_roughness, float opacity, float opacity_threshold, float ior,
-                       const Triple& normal, const std::vector<std::shared_ptr<ShadeNode>>& nodes,
+                       const Triple& normal, const Triple& transmission,
+                       const std::vector<std::shared_ptr<ShadeNode>>& nodes,
                        const Connected& connected) {
     Material material;
     material.diffuse_color = vec3f(diffuse);
@@ -154,6 +155,7 @@ Material make_material(const Triple& diffuse, const Triple& emissive, const Trip
     material.opacity_threshold = opacity_threshold;
     material.ior = ior;
     material.normal = vec3f(normal);
+    material.transmission_color = vec3f(transmission);
     for (const std::shared_ptr<ShadeNode>& node : nodes) material.nodes.push_back(*node);
     static constexpr std::array channels{"r", "g", "b", "a", "rgb"};
     for (const auto& [name, connection] : connected)
@@ -187,8 +189,9 @@ void bind_materials(py::module_& module) {
              py::arg("clearcoat") = d.clearcoat,
              py::arg("clearcoat_roughness") = d.clearcoat_roughness, py::arg("opacity") = d.opacity,
              py::arg("opacity_threshold") = d.opacity_threshold, py::arg("ior") = d.ior,
-             py::arg("normal") = triple(d.normal), py::arg("nodes") = py::tuple(),
-             py::arg("connected") = py::dict());
+             py::arg("normal") = triple(d.normal),
+             py::arg("transmission_color") = triple(d.transmission_color),
+             py::arg("nodes") = py::tuple(), py::arg("connected") = py::dict());
     module.attr("SHADE_OPS") = py::cast(std::vector<std::string>(op_names.begin(), op_names.end()));
 }
 

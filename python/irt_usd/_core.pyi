@@ -194,6 +194,7 @@ class Material:
 
     `connected` gives the inputs of those names (all but `use_specular_workflow`) a node of `nodes`
     and its channel: "rgb", or one of "r", "g", "b", "a". `normal` is in tangent space.
+    `transmission_color`, none of UsdPreviewSurface's, tints a refracted ray at each surface.
     """
 
     def __init__(
@@ -211,6 +212,7 @@ class Material:
         opacity_threshold: float = 0.0,
         ior: float = 1.5,
         normal: Vec3 = ...,
+        transmission_color: Vec3 = ...,
         nodes: Sequence[ShadeNode] = (),
         connected: Mapping[str, tuple[int, str]] = ...,
     ) -> None: ...

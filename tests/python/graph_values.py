@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irt_usd.stage.graph import DEFAULTS, Node, Surface
+from irt_usd.stage.graph import DEFAULTS, OTHER_DEFAULTS, Node, Surface
 
 _OPS: dict[str, Callable[..., Any]] = {
     "constant": lambda a: a,
@@ -49,7 +49,7 @@ def _smooth(t: Any) -> Any:
 def surface_value(surface: Surface, name: str, primvars: Mapping[str, Any] | None = None) -> Any:
     """An input of `surface` where the geometry has `primvars`; images give (s, t, s + t, 0.5)."""
     if name not in surface.connected:
-        return surface.constants.get(name, DEFAULTS[name])
+        return surface.constants.get(name, (DEFAULTS | OTHER_DEFAULTS)[name])
     index, channel = surface.connected[name]
     value = _node_values(surface.nodes, primvars or {})[index]
     if channel == "rgb":

@@ -29,7 +29,8 @@ Wrap = Literal["repeat", "mirror", "clamp"]
 class Look:
     """A material: matt, a mirror-smooth glass, or one that only glows.
 
-    Textures are (h, w, 3) float32, row 0 at the top; `normal_map` holds (n + 1) / 2.
+    Textures are (h, w, 3) float32, row 0 at the top; `normal_map` holds (n + 1) / 2. `given`: any
+    other material of irt's core, and the BSDF of Mitsuba's that it is to be like.
     """
 
     color: tuple[float, float, float] = (0.5, 0.5, 0.5)
@@ -38,6 +39,7 @@ class Look:
     normal_map: NDArray[np.float32] | None = None
     glows: bool = False
     glass_ior: float | None = None
+    given: tuple[Any, dict[str, Any]] | None = None
 
 
 @dataclass
@@ -113,6 +115,9 @@ def render_irt(scene: Scene) -> NDArray[np.float32]:
 
 
 def _core_material(look: Look) -> "_core.Material":
+    if look.given is not None:
+        material: _core.Material = look.given[0]
+        return material
     if look.glass_ior is not None:
         return _core.Material(
             diffuse_color=(1, 1, 1), roughness=0.0, opacity=0.0, ior=look.glass_ior
@@ -210,6 +215,8 @@ def _mitsuba_mesh(mi: Any, name: str, shape: Shape) -> Any:
         bsdf = {"type": "normalmap", "normalmap": image(look.normal_map), "bsdf": bsdf}
         # A shadowing of bumps by themselves that UsdPreviewSurface knows nothing of.
         bsdf["use_shadowing_function"] = False
+    if look.given is not None:
+        bsdf = look.given[1]
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(bsdf)
     if look.glows:

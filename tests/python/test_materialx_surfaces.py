@@ -13,7 +13,7 @@ from irt_usd.materialx.material import MaterialXSource
 from irt_usd.materialx.surfaces import MODELS
 from irt_usd.report import Report
 from irt_usd.stage.color import StageColors
-from irt_usd.stage.graph import DEFAULTS
+from irt_usd.stage.graph import DEFAULTS, OTHER_DEFAULTS
 
 TYPES = {
     "float": Sdf.ValueTypeNames.Float,
@@ -40,11 +40,13 @@ STANDARD = {
     "emissiveColor": (0.0,) * 3,
     "opacity": 1.0,
     "ior": 1.5,
+    "transmissionColor": (1.0,) * 3,
 }
 OPEN_PBR = {**STANDARD, "roughness": 0.3, "clearcoatRoughness": 0.0, "ior": 1.6}
 GLTF = {**STANDARD, "diffuseColor": (0.0,) * 3, "specularColor": (1.0,) * 3, "roughness": 1.0,
         "clearcoatRoughness": 0.0}  # fmt: skip
-PREVIEW = {**STANDARD, "diffuseColor": (0.18,) * 3, "specularColor": (0.0,) * 3, "roughness": 0.5,
+PREVIEW = {**{k: v for k, v in STANDARD.items() if k != "transmissionColor"},
+            "diffuseColor": (0.18,) * 3, "specularColor": (0.0,) * 3, "roughness": 0.5,
            "clearcoatRoughness": 0.01, "metallic": 0.0, "opacityThreshold": 0.0}  # fmt: skip
 
 RED = (0.5, 0.25, 0.125)
@@ -69,7 +71,7 @@ CASES: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("standard_surface", {"transmission": 1.0},
      {"opacity": 0.0, "diffuseColor": (1.0,) * 3, "ior": 1.5}),
     ("standard_surface", {"transmission": 0.5, "transmission_color": RED, "specular_IOR": 1.25},
-     {"opacity": 0.5, "ior": 1.25, "diffuseColor": (0.65, 0.525, 0.4625),
+     {"opacity": 0.5, "ior": 1.25, "transmissionColor": RED, "diffuseColor": (0.65, 0.525, 0.4625),
       "specularColor": (1 / 81,) * 3}),
     ("standard_surface", {"transmission": 1.0, "thin_walled": True},
      {"opacity": 0.0, "diffuseColor": (1.0,) * 3, "ior": 1.0}),
@@ -86,6 +88,9 @@ CASES: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("standard_surface", {"emission": 2.0, "emission_color": RED},
      {"emissiveColor": scaled(RED, 2.0)}),
     ("standard_surface", {"opacity": (0.5, 0.5, 0.5)}, {"opacity": 0.5, "ior": 1.0}),
+    ("standard_surface", {"opacity": (0.5,) * 3, "transmission": 0.5, "transmission_color": RED},
+     {"opacity": 0.25, "diffuseColor": (0.65, 0.525, 0.4625),
+      "transmissionColor": tuple((2 + c) / 3 for c in RED)}),
     ("open_pbr_surface", {}, {}),
     ("open_pbr_surface", {"base_weight": 0.5}, {"diffuseColor": (0.4,) * 3}),
     ("open_pbr_surface", {"base_metalness": 1.0, "base_color": RED, "specular_weight": 0.5},
@@ -105,12 +110,13 @@ CASES: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("open_pbr_surface", {"geometry_opacity": 0.25}, {"opacity": 0.25, "ior": 1.0}),
     ("gltf_pbr", {}, {}),
     ("gltf_pbr", {"metallic": 0.0, "base_color": RED},
-     {"diffuseColor": RED, "specularColor": (0.04,) * 3}),
+     {"transmissionColor": RED, "diffuseColor": RED, "specularColor": (0.04,) * 3}),
     ("gltf_pbr", {"metallic": 0.0, "specular": 0.5, "specular_color": RED},
      {"diffuseColor": (1.0,) * 3, "specularColor": scaled(RED, 0.02)}),
     ("gltf_pbr", {"roughness": 0.25}, {"roughness": 0.25}),
     ("gltf_pbr", {"metallic": 0.0, "transmission": 1.0, "base_color": RED},
-     {"opacity": 0.0, "diffuseColor": RED, "specularColor": (0.04,) * 3, "ior": 1.0}),
+     {"opacity": 0.0, "diffuseColor": RED, "specularColor": (0.04,) * 3, "ior": 1.0,
+      "transmissionColor": RED}),
     ("gltf_pbr", {"metallic": 0.0, "transmission": 1.0, "thickness": 1.0, "ior": 2.0},
      {"opacity": 0.0, "diffuseColor": (1.0,) * 3, "specularColor": (1 / 9,) * 3, "ior": 2.0}),
     ("gltf_pbr", {"alpha": 0.25}, {}),
@@ -239,4 +245,4 @@ def test_names_are_those_of_the_surface() -> None:
     for model in MODELS:
         _stage, made, _ = source(model, {})
         surface = made.read(Usd.TimeCode(1)).surface
-        assert set(surface.constants) | set(surface.connected) <= set(DEFAULTS)
+        assert set(surface.constants) | set(surface.connected) <= set(DEFAULTS | OTHER_DEFAULTS)

@@ -134,6 +134,7 @@ SurfaceValues evaluate(const Material& material, const Site& site) {
     graph.give(SurfaceInput::ClearcoatRoughness, out.clearcoat_roughness, 0, 1);
     graph.give(SurfaceInput::Ior, out.ior, least_ior, unbounded);
     graph.give(SurfaceInput::Normal, out.normal, -unbounded);
+    graph.give(SurfaceInput::TransmissionColor, out.transmission_color, 0);
     return out;
 }
 

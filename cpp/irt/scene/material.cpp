@@ -64,7 +64,8 @@ SurfaceValues::SurfaceValues(const Material& m)
       opacity(static_cast<double>(m.opacity)),
       opacity_threshold(static_cast<double>(m.opacity_threshold)),
       ior(static_cast<double>(m.ior)),
-      normal(m.normal) {}
+      normal(m.normal),
+      transmission_color(m.transmission_color) {}
 
 bool tint_varies(const Material& material) {
     return material.connection(SurfaceInput::Opacity) ||

@@ -89,11 +89,12 @@ enum class SurfaceInput : std::uint8_t {
     OpacityThreshold,
     Ior,
     Normal,
+    TransmissionColor,
 };
 inline constexpr std::array surface_input_names{
     "diffuse_color", "emissive_color",      "specular_color", "metallic",          "roughness",
     "clearcoat",     "clearcoat_roughness", "opacity",        "opacity_threshold", "ior",
-    "normal"};
+    "normal",        "transmission_color"};
 
 /// The node that gives an input, and which of its components: all of rgb, or one.
 struct Connection {
@@ -123,6 +124,8 @@ struct Material {
     float opacity_threshold = 0;
     float ior = 1.5f;
     V3f normal{0, 0, 1};  ///< tangent space
+    /// What tints a refracted ray at each surface; none of UsdPreviewSurface's, but of others.
+    V3f transmission_color{1, 1, 1};
 
     std::vector<ShadeNode> nodes;  ///< every one after those that it reads
     std::array<Connection, surface_input_names.size()> connected{};
@@ -148,7 +151,7 @@ struct SurfaceValues {
     V3d diffuse_color, emissive_color, specular_color;
     bool use_specular_workflow;
     double metallic, roughness, clearcoat, clearcoat_roughness, opacity, opacity_threshold, ior;
-    V3d normal;
+    V3d normal, transmission_color;
 
     SurfaceValues(const Material& material);  ///< its constants
 };

@@ -60,6 +60,7 @@ bool same(const Material& a, const Material& b) {
            same_bits(a.clearcoat_roughness, b.clearcoat_roughness) &&
            same_bits(a.opacity, b.opacity) && same_bits(a.opacity_threshold, b.opacity_threshold) &&
            same_bits(a.ior, b.ior) && same_bits(a.normal, b.normal) &&
+           same_bits(a.transmission_color, b.transmission_color) &&
            std::equal(a.connected.begin(), a.connected.end(), b.connected.begin(),
                       [](const Connection& x, const Connection& y) { return same(x, y); }) &&
            std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(),

@@ -59,6 +59,7 @@ Response make_response(const SurfaceValues& material, double mirror_roughness) {
     r.invisible = material.opacity_threshold > 0 && r.opacity == 0;
     r.ior = material.ior;
     r.emission = r.invisible ? V3d(0, 0, 0) : material.emissive_color;
+    r.transmission = material.transmission_color;
     r.alpha = alpha(material.roughness);
     r.mirror = material.roughness <= mirror_roughness;
     const double s = (1 - r.ior) / (1 + r.ior);
@@ -123,7 +124,7 @@ Spawned spawn(const Response& response, const V3d& direction, const V3d& shading
         } else {
             // Schlick takes the angle on the thinner side.
             if (eta > 1) f = fresnel(response, -bent.dot(shading));
-            out.refract_weight = (one - f) * through;
+            out.refract_weight = (one - f) * response.transmission * through;
             out.refract_direction = normalized(bent);
         }
     }

@@ -14,6 +14,7 @@ struct Response {
     V3d diffuse;     ///< Lambert reflectance, times opacity
     V3d f0, f90;     ///< Schlick's Fresnel at normal and at grazing incidence
     V3d emission;
+    V3d transmission;    ///< what tints a refracted ray
     double alpha = 0;    ///< GGX roughness: roughness squared, at least min_alpha
     double coat = 0;     ///< share of the clear coat, a white lobe over the others
     double coat_f0 = 0;  ///< its Fresnel at normal incidence; at grazing incidence it is 1

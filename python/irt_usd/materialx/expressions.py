@@ -92,7 +92,9 @@ class Expressions:
             known = cast("list[Four]", fours)
             result = tuple(float(folded(*parts)) for parts in zip(*known, strict=True))
             return Value(cast("Four", result))
-        if op == "multiply" and (0.0,) * 4 in fours:
+        if (op == "multiply" and (0.0,) * 4 in fours) or (
+            op == "divide" and fours[0] == (0.0,) * 4
+        ):
             return constant(0.0)
         if op in _NEUTRAL and values[1].four == (_NEUTRAL[op],) * 4:
             return values[0]

@@ -10,7 +10,7 @@ from irt_usd.materialx.network import Link, Network, Port, Step
 from irt_usd.materialx.surfaces import MODELS
 from irt_usd.report import Report
 from irt_usd.stage.color import StageColors
-from irt_usd.stage.graph import DEFAULTS, Surface, TextureReference, TextureSource
+from irt_usd.stage.graph import DEFAULTS, OTHER_DEFAULTS, Surface, TextureReference, TextureSource
 from irt_usd.stage.snapshot import MaterialState
 from irt_usd.stage.values import Value, same_bits
 
@@ -101,8 +101,7 @@ class MaterialXSource:
             return Surface(constants)
         nodes, places = evaluation.expressions.needed(fed.values())
         connected = {
-            name: (places[index], "rgb" if isinstance(DEFAULTS[name], tuple) else "r")
-            for name, index in fed.items()
+            name: (places[index], "rgb" if _is_wide(name) else "r") for name, index in fed.items()
         }
         return Surface(constants, nodes, connected)
 
@@ -184,13 +183,18 @@ def _all_values(port: Port) -> list[Value]:
     return [] if isinstance(port, Link) else list(port.all_values())
 
 
+def _is_wide(name: str) -> bool:
+    """Whether an input of the surface is a colour or a vector."""
+    return isinstance((DEFAULTS | OTHER_DEFAULTS)[name], tuple)
+
+
 _LIMITS = {"ior": (1e-3, float("inf"))}
 _SIGNED = ("normal",)
 
 
 def _fitting(name: str, four: tuple[float, ...]) -> Value:
     """A constant as the surface's input has it, in the range of that input."""
-    wide = isinstance(DEFAULTS[name], tuple)
+    wide = _is_wide(name)
     low, high = _LIMITS.get(name, (0.0, float("inf") if wide else 1.0))
     if name in _SIGNED:
         return four[:3]

@@ -87,6 +87,14 @@ def _mapped(ex: Expressions, base: _Base) -> Mapped:
     bent = ex.apply("if_greater", base.thin, constant(0.5), _ONE, base.ior)
     # What is not there does not bend light; of what is there, it is the coat's.
     whole = ex.apply("if_greater", _ONE, base.presence, _ONE, base.coat_ior)
+    opacity = _weighted(ex, base.presence, _one_minus(ex, clear))
+    # Of what passes, the share that is transmitted; the rest goes by.
+    through = _one_minus(ex, opacity)
+    tinted = (
+        _ONE
+        if base.presence == _ONE
+        else ex.apply("divide", _weighted(ex, base.presence, clear), through)
+    )
     return {
         # Where light passes, this is what tints shadows.
         "diffuseColor": ex.apply("mix", diffuse, base.transmission_color, clear),
@@ -95,7 +103,8 @@ def _mapped(ex: Expressions, base: _Base) -> Mapped:
         "roughness": base.roughness,
         "clearcoat": base.coat,
         "clearcoatRoughness": base.coat_roughness,
-        "opacity": _weighted(ex, base.presence, _one_minus(ex, clear)),
+        "opacity": opacity,
+        "transmissionColor": ex.apply("mix", _ONE, base.transmission_color, tinted),
         "ior": ex.apply("if_greater", clear, _ZERO, bent, whole),
     }
 
@@ -213,8 +222,7 @@ _DIFFUSE = "the diffuse of its colour rendered"
 _OF_STANDARD = {
     "diffuse_roughness": Unexpressed((0.0,), "", "Lambert rendered"),
     "specular_anisotropy": Unexpressed((0.0,)),
-    "transmission_color": Unexpressed((1.0,), "transmission", "in shadows alone"),
-    "transmission_depth": Unexpressed((0.0,), "transmission"),
+    "transmission_depth": Unexpressed((0.0,), "transmission", "tinted at the surface"),
     "transmission_scatter": Unexpressed((0.0,), "transmission"),
     "transmission_dispersion": Unexpressed((0.0,), "transmission"),
     "transmission_extra_roughness": Unexpressed((0.0,), "transmission"),
@@ -229,8 +237,7 @@ _OF_STANDARD = {
 _OF_OPEN_PBR = {
     "base_diffuse_roughness": Unexpressed((0.0,), "", "Lambert rendered"),
     "specular_roughness_anisotropy": Unexpressed((0.0,)),
-    "transmission_color": Unexpressed((1.0,), "transmission_weight", "in shadows alone"),
-    "transmission_depth": Unexpressed((0.0,), "transmission_weight"),
+    "transmission_depth": Unexpressed((0.0,), "transmission_weight", "tinted at the surface"),
     "transmission_scatter": Unexpressed((0.0,), "transmission_weight"),
     "transmission_dispersion_scale": Unexpressed((0.0,), "transmission_weight"),
     "subsurface_weight": Unexpressed((0.0,), "", _DIFFUSE),

@@ -34,6 +34,9 @@ DEFAULTS: dict[str, Value] = {
 }
 """The inputs that are rendered, with UsdPreviewSurface's defaults (of single precision)."""
 
+OTHER_DEFAULTS: dict[str, Value] = {"transmissionColor": (1.0, 1.0, 1.0)}
+"""Inputs that other surface models give: what tints a refracted ray at each surface."""
+
 _CORE_NAMES = {
     "diffuseColor": "diffuse_color",
     "emissiveColor": "emissive_color",
@@ -47,6 +50,7 @@ _CORE_NAMES = {
     "opacityThreshold": "opacity_threshold",
     "ior": "ior",
     "normal": "normal",
+    "transmissionColor": "transmission_color",
 }
 
 
@@ -93,7 +97,11 @@ class Surface:
 
     def constant(self, name: str) -> Any:
         """The value of an input, None where a node feeds it."""
-        return None if name in self.connected else self.constants.get(name, DEFAULTS[name])
+        return (
+            None
+            if name in self.connected
+            else self.constants.get(name, (DEFAULTS | OTHER_DEFAULTS)[name])
+        )
 
     @property
     def primvars(self) -> frozenset[str]:
