@@ -46,6 +46,7 @@ LOOKS: dict[str, Sequence[Any]] = {
     "opacity": (1.0, 0.0, 0.25, 0.9),
     "opacity_threshold": (0.0, 0.3),
     "ior": (1.0, 1.33, 1.5),
+    "transmission_color": ((1.0, 1.0, 1.0), (0.25, 1.0, 0.0)),
     "emissive_color": ((0.0, 0.0, 0.0), (0.5, 0.25, 0.0)),
     "use_specular_workflow": (False, True),
 }

@@ -195,3 +195,18 @@ def test_aovs_agree_with_geometry() -> None:
     assert np.all(renderer.aov("albedo")[hit] == np.array((0.25, 0.5, 0.75), np.float32))
     assert len(np.unique(renderer.aov("objectId")[hit])) == 1
     assert np.all(renderer.aov("objectId")[~hit] == 0)
+
+
+def test_refraction_is_tinted_at_each_surface() -> None:
+    """Two panes of index 1, seen head on, reflect nothing and tint twice."""
+    tint = (0.5, 0.25, 1.0)
+    pane = _core.Material(opacity=0.0, ior=1.0, transmission_color=tint)
+    changes = scene(
+        pane=pane, lamp=_core.Material(diffuse_color=(0, 0, 0), emissive_color=(1, 1, 1))
+    )
+    square = np.array([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], "f4")
+    mesh = _core.Mesh(square, np.array([4], np.int32), np.arange(4, dtype=np.int32))
+    for name, depth, material in (("a", -2, "pane"), ("b", -3, "pane"), ("wall", -4, "lamp")):
+        changes.set_object("/" + name, mesh, placed(0, 0, depth), "/" + material)
+    seen = render(changes, size=(1, 1), view=camera(1e-3)).beauty()[0, 0, :3]
+    assert seen == pytest.approx([t * t for t in tint], rel=1e-6)

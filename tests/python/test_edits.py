@@ -48,6 +48,7 @@ RAYS: dict[str, list[Edit]] = {
     "cut out": [("look", "/glass", {"opacity_threshold": 0.5})],
     "cut out no more": [("look", "/leaf", {"opacity_threshold": 0.0})],
     "tint": [("look", "/glass", {"diffuse_color": (1.0, 0.2, 0.2)})],
+    "tint of what is refracted": [("look", "/glass", {"transmission_color": (0.25, 1.0, 0.0)})],
     "index of refraction": [("look", "/glass", {"ior": 1.33})],
     "rebind to glass": [("bind", "/c", "/glass")],
     "rebind from glass": [("bind", "/d", "/red")],
