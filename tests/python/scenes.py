@@ -48,7 +48,7 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         points = np.array(corners, np.float32)
         counts = np.full(6, 4, np.int32)
         tiled = np.concatenate([CORNERS * (1 + face) - 0.25 for face in range(6)])
-        st = {"st": ("faceVarying", tiled, None)}
+        st: Any = {"st": ("faceVarying", tiled, None)}
         if not paint or not any(paint[0]):
             return _core.Mesh(points, counts, BOX_FACES, single_sided=single_sided, primvars=st)
         # Painted faces have normals of their own, too.
@@ -97,7 +97,7 @@ def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, ...]:
     return made, np.asarray(matrix, float), material, {}, shape[4] if painted else ()
 
 
-def material_record(material: Any) -> _core.Material:
+def material_record(material: Any) -> Any:
     if not isinstance(material, dict):
         return material
     values = dict(material)

@@ -192,9 +192,8 @@ def test_panes_tint_shadows_by_their_texels() -> None:
 
 def test_emission_is_added_as_it_is() -> None:
     texels = np.random.default_rng(1).random((8, 8, 3)).astype(np.float32)
-    dark = {"diffuse_color": (0, 0, 0), "ior": 1.0}
+    dark: dict[str, Any] = {"diffuse_color": (0, 0, 0), "ior": 1.0}
     emitted = sheet(textured(texels, "emissive_color", **dark)).beauty()
-    np.testing.assert_allclose(emitted[..., :3] - emitted[..., :3] + texels, texels)
     assert np.abs(emitted[..., :3] - texels).max() < 1e-6
 
 
@@ -242,13 +241,17 @@ def test_primvars_of_the_object_stand_in_for_the_meshs() -> None:
     changes.set_material("/m", material)
     at = np.eye(4)
     at[3, 2] = -5
-    color = {"displayColor": ("constant", np.array([[1, 0.5, 0]], np.float32), None)}
+    color: dict[str, Any] = {
+        "displayColor": ("constant", np.array([[1, 0.5, 0]], np.float32), None)
+    }
     changes.set_object("/ball", _core.Quadric.sphere(1), at, "/m", color)
     renderer.update(changes)
     assert renderer.aov("albedo")[10, 12].tolist() == [1, 0.5, 0]
 
 
 # ---- memory and bad input
+
+NONSENSE: Any = "periodic"
 
 
 def test_texels_are_shared_and_let_go() -> None:
@@ -273,9 +276,12 @@ def test_texels_are_shared_and_let_go() -> None:
         (lambda: _core.Texture([(0, 0, np.zeros(2, np.uint8))]), "must have shape"),
         (lambda: _core.Texture([(0, 0, np.zeros((2, 2, 5), np.uint8))]), "1 to 4 channels"),
         (lambda: _core.Texture([]), "needs a tile"),
-        (lambda: _core.Texture([(0, 0, np.zeros((2, 2), "u1"))], transfer="log"), "transfer 'log'"),
+        (
+            lambda: _core.Texture([(0, 0, np.zeros((2, 2), "u1"))], transfer=NONSENSE),
+            "transfer 'periodic'",
+        ),
         (lambda: _core.ShadeNode("noise"), "op 'noise' is unknown"),
-        (lambda: _core.ShadeNode("texture", wrap=("periodic", "clamp")), "wrap 'periodic'"),
+        (lambda: _core.ShadeNode("texture", wrap=(NONSENSE, "clamp")), "wrap 'periodic'"),
         (lambda: _core.ShadeNode("swizzle", swizzle="xyzw"), "must consist of"),
         (lambda: _core.Material(nodes=[_core.ShadeNode("texture")]), "node 0 has no texture"),
         (lambda: _core.Material(nodes=[_core.ShadeNode("add", [0])]), "no earlier one"),

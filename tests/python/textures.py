@@ -36,7 +36,7 @@ def texels(image: tuple[Any, ...]) -> np.ndarray:
 
 
 @cache
-def made(image: tuple[Any, ...], transfer: str) -> _core.Texture:
+def made(image: tuple[Any, ...], transfer: Any) -> _core.Texture:
     return _core.Texture([(0, 0, texels(image))], transfer=transfer)
 
 
