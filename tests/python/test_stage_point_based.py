@@ -299,3 +299,14 @@ def test_primvars_of_points_and_curves_reach_their_material(shot: MakeShot) -> N
     by_vertex = curves(lines + colors("(1,0,0), (0,1,0), (0,0,0), (1,1,1)", "vertex"))
     ((r, g, b),) = albedo(by_vertex, [(32, 16)])
     assert [r, g, b] == pytest.approx([0.5, 0.5, 0.0], abs=0.02)
+
+
+def test_complexity_cuts_cubic_spans(shot: MakeShot, monkeypatch: pytest.MonkeyPatch) -> None:
+    from irt_usd.stage import ReadOptions
+
+    segments = []
+    monkeypatch.setattr(core, "Curves", lambda *arguments: segments.append(arguments[6]))
+    for level in range(4):
+        made = shot(curves(CURVES + widths("1", "constant")), options=ReadOptions(level=level))
+        made.read().objects["/P"].shape.geometry()
+    assert segments == [8, 16, 32, 64]

@@ -151,7 +151,8 @@ def shot_options(command: Command) -> Command:
             type=click.Choice(list(COMPLEXITY)),
             default="low",
             show_default=True,
-            help="How often the faces of subdivision meshes are cut: 0, 1, 2 or 3 times.",
+            help="How often the faces of subdivision meshes are cut: 0, 1, 2 or 3 times; cubic"
+            " curves are cut alike.",
         ),
         click.option("--strict", is_flag=True, help="Refuse what would be left out and reported."),
     )

@@ -25,7 +25,7 @@ Basis = Literal["linear", "bezier", "bspline", "catmullRom"]
 Wrap = Literal["nonperiodic", "periodic", "pinned"]
 
 SEGMENTS = 8
-"""Straight pieces of a cubic span."""
+"""Straight pieces of a cubic span at level 0; each level doubles them."""
 
 _BASES = ("bezier", "bspline", "catmullRom")
 _WRAPS = ("nonperiodic", "periodic", "pinned")
@@ -91,6 +91,7 @@ class CurvesShape(Shape):
         layout: Layout,
         widths: Widths,
         primvars: Mapping[str, PrimvarValue],
+        level: int,
     ) -> None:
         self.attributes = {
             "typeName": "BasisCurves",
@@ -107,6 +108,7 @@ class CurvesShape(Shape):
         """A bound on absolute coordinates: a cubic may leave its control points' box."""
         self._points, self._layout, self._widths = points, layout, widths
         self._varying = primvars
+        self._segments = SEGMENTS << level
         self._geometry: _core.Curves | None = None
 
     def geometry(self) -> "_core.Curves":
@@ -121,20 +123,26 @@ class CurvesShape(Shape):
                 _core_interpolation(self._widths.interpolation),
                 self._layout.basis,
                 self._layout.wrap,
-                SEGMENTS,
+                self._segments,
                 {name: primvar.core for name, primvar in self._varying.items()},
             )
         return self._geometry
 
 
 class CurvesSource(PointBasedSource):
-    """Reads one UsdGeomBasisCurves."""
+    """Reads one UsdGeomBasisCurves, cubic spans cut as `level` of --complexity says."""
 
     kind = "curves"
 
     def __init__(
-        self, node: Node, report: Report, wanted: frozenset[str], skin: Skin | None
+        self,
+        node: Node,
+        report: Report,
+        wanted: frozenset[str],
+        skin: Skin | None,
+        level: int = 0,
     ) -> None:
+        self._level = level
         names = ("curveVertexCounts", "type", "basis", "wrap", *_NORMALS)
         super().__init__(node, report, wanted, skin, names)
         if any(not empty(self._attributes.values[name]) for name in _NORMALS):
@@ -161,7 +169,7 @@ class CurvesSource(PointBasedSource):
 
         checked = self._primvars.checked(fault, time)
         primvars = {name: cast("PrimvarValue", _fitting(p, counts)) for name, p in checked.items()}
-        return CurvesShape(points, layout, widths, primvars)
+        return CurvesShape(points, layout, widths, primvars, self._level)
 
     def _read_layout(self, points: int, values: Mapping[str, Value]) -> Layout:
         basis = values["basis"] if values["type"] == "cubic" else values["type"]

@@ -40,11 +40,6 @@ from irt_usd.stage.transforms import Node
 
 _DEFAULT_WIDTH = 960
 
-_POINT_BASED: dict[str, type[PointsSource | CurvesSource]] = {
-    "Points": PointsSource,
-    "BasisCurves": CurvesSource,
-}
-
 _MAX_SIDE = 65536
 """Widest and highest image, in pixels: beyond it a request is taken for a slip."""
 
@@ -237,8 +232,10 @@ class ShotReader:
         kind = str(node.prim.GetTypeName())
         if kind == "Mesh":
             return MeshSource(node, self._report, wanted, skin, self._level, subsets)
-        if kind in _POINT_BASED:
-            return _POINT_BASED[kind](node, self._report, wanted, skin)
+        if kind == "Points":
+            return PointsSource(node, self._report, wanted, skin)
+        if kind == "BasisCurves":
+            return CurvesSource(node, self._report, wanted, skin, self._level)
         return QuadricSource(node, self._report, wanted)
 
     def _find_textures(self) -> None:
