@@ -207,6 +207,9 @@ def test_a_normal_that_is_no_map_is_ignored(tmp_path: Path) -> None:
     text = material('<input name="normal" type="vector3" nodename="n"/>', constant)
     assert "normal" not in surface(tmp_path, text, report).connected
     assert any("other nodes than normal maps" in n.text for n in report.notices)
+    quiet = Report()
+    surface(tmp_path, material('<input name="normal" type="vector3" value="0,0,1"/>'), quiet)
+    assert not quiet.notices
 
 
 def test_unknown_nodes_give_their_defaults(tmp_path: Path) -> None:

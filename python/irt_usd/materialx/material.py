@@ -122,6 +122,8 @@ class MaterialXSource:
             return name
         if isinstance(port, Link) and _is_normal_map(port):
             return name
+        if not isinstance(port, Link) and port.all_values().keys() == {(0.0, 0.0, 1.0)}:
+            return ""
         if not (isinstance(port, Link) and port.step.missing):
             kind = f"{self._surface.category} {name} from other nodes than normal maps (ignored)"
             self._report.unsupported(kind, self.path)
