@@ -84,7 +84,8 @@ def point(pick: Pick) -> tuple[float, ...]:
 
 def geometry(pick: Pick) -> tuple[Any, ...]:
     kind = pick(
-        ("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "sheet", "pair", *MORE)
+        ("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "sheet", "blob", "pair")
+        + MORE
     )
     if kind in ("frustum", "round_cone"):
         return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
@@ -95,6 +96,8 @@ def geometry(pick: Pick) -> tuple[Any, ...]:
         return kind, basis, pick(("nonperiodic", "periodic", "pinned")), pick((LOCK, CLOUD))
     if kind == "box":
         return kind, pick((False, True)), BOX
+    if kind == "blob":
+        return kind, pick((1, 2, 0)), BOX
     if kind == "pair":
         return kind, 0.5, pick(MATERIALS)
     if kind in ("sphere", "cube"):

@@ -4,11 +4,11 @@
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
 ("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
 height), ("box", single_sided, corners[, faces, paints]), its faces' materials by place in paints, 0
-the object's own, ("sheet", size, tiling), a square mesh, ("points", ((x, y, z, width), ...)),
-("curves", basis, wrap, ((x, y, z, width), ...)) or ("pair", radius, material), an instance; a
-material is the arguments of _core.Material, and perhaps "textured", see textures.py; a light is
-("distant", direction, irradiance, casts_shadows) or ("point", position, intensity, casts_shadows).
-Records of _core may stand in their place.
+the object's own, ("blob", level, corners), a creased subdivision surface, ("sheet", size, tiling),
+a square mesh, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width), ...))
+or ("pair", radius, material), an instance; a material is the arguments of _core.Material, and
+perhaps "textured", see textures.py; a light is ("distant", direction, irradiance, casts_shadows) or
+("point", position, intensity, casts_shadows). Records of _core may stand in their place.
 """
 
 from dataclasses import dataclass, field
@@ -74,6 +74,13 @@ def geometry(shape: tuple[Any, ...]) -> Any:
             np.arange(4, dtype=np.int32),
             primvars={"st": ("vertex", CORNERS * np.float32(tiling), None)},
         )
+    if kind == "blob":
+        level, corners = sizes
+        cage = _core.Mesh(np.array(corners, np.float32), np.full(6, 4, np.int32), BOX_FACES)
+        crease = {"crease_indices": BOX_FACES[:4], "crease_lengths": np.array([4], np.int32)}
+        sharp = np.array([1.5], np.float32)
+        rules = {"scheme": "catmullClark", "level": level, "crease_sharpnesses": sharp, **crease}
+        return _core.Subdivider(**rules).refine(cage)
     if kind == "pair":
         radius, material = sizes
         ball, box = ("sphere", radius), ("box", False, BOX)
@@ -211,10 +218,10 @@ class State:
     def _deform(self, name: str, corner: int, offset: tuple[float, ...]) -> None:
         """Moves one point of a mesh, a cloud or a curve."""
         shape, *others = self.objects.get(name, ((),))
-        if isinstance(shape, tuple) and shape[:1] == ("box",):
+        if isinstance(shape, tuple) and shape[:1] in (("box",), ("blob",)):
             corners = list(shape[2])
             corners[corner] = tuple(a + b for a, b in zip(corners[corner], offset, strict=True))
-            self.objects[name] = (("box", shape[1], tuple(corners), *shape[3:]), *others)
+            self.objects[name] = ((*shape[:2], tuple(corners), *shape[3:]), *others)
         elif isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
             balls = list(shape[-1])
             ball = balls[corner % len(balls)]
