@@ -9,7 +9,7 @@ MissingAsset = Literal["fail", "fallback", "warn"]
 MISSING_ASSET: tuple[MissingAsset, ...] = get_args(MissingAsset)
 
 COMPLEXITY = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
-"""How often faces of subdivision meshes and pieces of cubic curves are cut, by usdrecord's names."""
+"""How often subdivision faces and pieces of cubic curves are cut, by usdrecord's names."""
 
 PURPOSES = ("default", "render", "proxy", "guide")
 """UsdGeom's purposes."""
