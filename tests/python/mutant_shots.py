@@ -20,4 +20,10 @@ SHOTS = {
         size=(33, 17),
         samples=4,
     ),
+    "a cut-out begins to tint": Shot(
+        "hall", [[("look", "/leaf", {"opacity_threshold": 0.0})]], samples=4
+    ),
+    "what a cut-out passed on whole is passed on in part": Shot(
+        "hall", [[("look", "/leaf", {"opacity": 0.9, "opacity_threshold": 0.0, "ior": 1.0})]]
+    ),
 }
