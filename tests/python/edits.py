@@ -83,10 +83,8 @@ def point(pick: Pick) -> tuple[float, ...]:
 
 
 def geometry(pick: Pick) -> tuple[Any, ...]:
-    kind = pick(
-        ("sphere", "cube", "cylinder", "cone", "capsule", "plane", "box", "sheet", "blob", "pair")
-        + MORE
-    )
+    solids = ("sphere", "cube", "cylinder", "cone", "capsule", "plane")
+    kind = pick((*solids, "box", "sheet", "blob", "pair", *MORE))
     if kind in ("frustum", "round_cone"):
         return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
     if kind == "points":
