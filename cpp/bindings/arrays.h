@@ -44,6 +44,14 @@ inline std::vector<std::int32_t> integers(const Array<std::int32_t>& a, const ch
     return {a.data(), a.data() + a.shape(0)};
 }
 
+/// A read-only view of `data`, kept alive by `owner`.
+template <class T>
+py::array read_only(const py::object& owner, const T* data, std::vector<py::ssize_t> shape) {
+    py::array_t<T> array(std::move(shape), data, owner);
+    array.attr("flags").attr("writeable") = false;
+    return array;
+}
+
 void bind_materials(py::module_& module);
 void bind_records(py::module_& module);
 void bind_renderer(py::module_& module);

@@ -14,6 +14,7 @@ using MeshPointer = std::shared_ptr<Mesh>;
 using SpheresPointer = std::shared_ptr<Spheres>;
 using CurvesPointer = std::shared_ptr<Curves>;
 using PrototypePointer = std::shared_ptr<Prototype>;
+using ArrayPointer = std::shared_ptr<InstanceArray>;
 using Triple = std::array<double, 3>;
 
 Interpolation interpolation_named(const std::string& name) {
@@ -120,17 +121,43 @@ Geometry geometry(const py::handle& object) {
         return std::shared_ptr<const Curves>(object.cast<CurvesPointer>());
     if (py::isinstance<Prototype>(object))
         return std::shared_ptr<const Prototype>(object.cast<PrototypePointer>());
-    throw py::type_error("geometry must be a Quadric, a Mesh, Spheres, Curves or a Prototype");
+    if (py::isinstance<InstanceArray>(object))
+        return std::shared_ptr<const InstanceArray>(object.cast<ArrayPointer>());
+    throw py::type_error(
+        "geometry must be a Quadric, a Mesh, Spheres, Curves, a Prototype or an InstanceArray");
 }
 
 PrototypePointer make_prototype(const py::sequence& parts) {
     auto prototype = std::make_shared<Prototype>();
     for (const py::handle part : parts) {
-        const auto [name, shape, transform, material] =
-            part.cast<std::tuple<std::string, py::object, Array<double>, std::string>>();
-        prototype->parts.push_back({name, geometry(shape), matrix(transform), material});
+        const auto [name, shape, transform, material, primvars, face_materials] =
+            part.cast<std::tuple<std::string, py::object, Array<double>, std::string,
+                                 std::map<std::string, PrimvarTuple>, std::vector<std::string>>>();
+        prototype->parts.push_back({name, geometry(shape), matrix(transform), material,
+                                    make_primvars(primvars), face_materials});
     }
     return prototype;
+}
+
+ArrayPointer make_array(const std::vector<PrototypePointer>& prototypes,
+                        const Array<double>& transforms,
+                        const std::optional<Array<std::int32_t>>& prototype_of,
+                        const std::optional<Array<std::int64_t>>& keys) {
+    if (transforms.ndim() != 3 || transforms.shape(1) != 4 || transforms.shape(2) != 3)
+        throw py::value_error("array_from_prototype must have shape (n, 4, 3)");
+    auto array = std::make_shared<InstanceArray>();
+    array->prototypes.assign(prototypes.begin(), prototypes.end());
+    const auto* first = reinterpret_cast<const Affine*>(transforms.data());
+    array->array_from_prototype.assign(first, first + transforms.shape(0));
+    if (prototype_of) {
+        const std::vector<std::int32_t> indices = integers(*prototype_of, "prototype_of");
+        array->prototype_of.assign(indices.begin(), indices.end());
+    }
+    if (keys) {
+        if (keys->ndim() != 1) throw py::value_error("keys must have one dimension");
+        array->keys.assign(keys->data(), keys->data() + keys->shape(0));
+    }
+    return array;
 }
 
 Quadric quadric(QuadricKind kind, double Quadric::*first, double a,
@@ -278,6 +305,15 @@ void bind_geometry(py::module_& module) {
              py::arg("primvars") = py::dict());
     py::class_<Prototype, PrototypePointer>(module, "Prototype")
         .def(py::init(&make_prototype), py::arg("parts"));
+    py::class_<InstanceArray, ArrayPointer>(module, "InstanceArray")
+        .def(py::init(&make_array), py::arg("prototypes"), py::arg("array_from_prototype"),
+             py::arg("prototype_of") = py::none(), py::arg("keys") = py::none())
+        .def("__len__", &InstanceArray::size)
+        .def_property_readonly("array_from_prototype", [](const py::object& self) {
+            const auto& rows = self.cast<const InstanceArray&>().array_from_prototype;
+            return read_only(self, rows.empty() ? nullptr : rows.front().data(),
+                             {static_cast<py::ssize_t>(rows.size()), 4, 3});
+        });
 }
 
 void bind_light_and_camera(py::module_& module) {

@@ -136,23 +136,15 @@ UpdateReport run_update(Renderer& renderer, const ChangeSet& changes,
     return report;
 }
 
-/// A read-only view of `data`, kept alive by `owner`.
-template <class T>
-py::array film_array(const py::object& owner, const T* data, std::vector<py::ssize_t> shape) {
-    py::array_t<T> array(std::move(shape), data, owner);
-    array.attr("flags").attr("writeable") = false;
-    return array;
-}
-
 py::array aov_array(const py::object& self, const std::string& name) {
     const film::Film& film = self.cast<const Renderer&>().film();
     const film::Aov aov = aov_or_throw(name);
     if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
     const py::ssize_t height = film.height(), width = film.width();
-    if (aov == film::Aov::Retraced) return film_array(self, film.retraced(), {height, width});
-    if (aov == film::Aov::Depth) return film_array(self, film.depth(), {height, width});
-    if (aov == film::Aov::ObjectId) return film_array(self, film.object_id(), {height, width});
-    return film_array(self, &film.vectors(aov)->x, {height, width, 3});
+    if (aov == film::Aov::Retraced) return read_only(self, film.retraced(), {height, width});
+    if (aov == film::Aov::Depth) return read_only(self, film.depth(), {height, width});
+    if (aov == film::Aov::ObjectId) return read_only(self, film.object_id(), {height, width});
+    return read_only(self, &film.vectors(aov)->x, {height, width, 3});
 }
 
 py::dict pixel_values(const Renderer& renderer, int x, int y) {
@@ -201,7 +193,7 @@ void bind_renderer(py::module_& module) {
         .def("beauty",
              [](const py::object& self) {
                  const film::Film& film = self.cast<const Renderer&>().film();
-                 return film_array(self, film.beauty(), {film.height(), film.width(), 4});
+                 return read_only(self, film.beauty(), {film.height(), film.width(), 4});
              })
         .def("aov", &aov_array, py::arg("name"))
         .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"))

@@ -60,7 +60,7 @@ UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Came
 
     // Whatever throws from here on leaves the film to be made anew, and the trees to catch up.
     film_is_current_ = false;
-    const std::vector<trace::Box> old_boxes = update::object_boxes(intersector_, applied.geometry);
+    const std::vector<trace::Box> old_boxes = update::former_boxes(intersector_, applied);
     uncommitted_.insert(uncommitted_.end(), applied.geometry.begin(), applied.geometry.end());
     if (!uncommitted_.empty() || first) intersector_.commit(scene_, uncommitted_);
     uncommitted_.clear();

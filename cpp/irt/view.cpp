@@ -241,7 +241,7 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     if (!history_) history_ = std::make_unique<History>();
     for (history::RayTrees& cell : history_->cells) cell = history::RayTrees();
     std::vector<trace::Box> boxes;
-    for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot)
+    for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot)
         if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
     const std::size_t samples = static_cast<std::size_t>(settings_.width) *
                                 static_cast<std::size_t>(settings_.height) *

@@ -129,13 +129,44 @@ class Curves:
 class Prototype:
     """Geometry shared by instances.
 
-    Each part: (name, geometry, prototype_from_part (4, 4) float64, material).
+    Each part: (name, geometry, prototype_from_part (4, 4) float64, material, constant primvars,
+    materials of faces).
+    A part that is an array names no material, for the parts of its prototypes do.
     """
 
     def __init__(
         self,
-        parts: Sequence[tuple[str, Quadric | Mesh | Spheres | Curves, NDArray[np.float64], str]],
+        parts: Sequence[
+            tuple[
+                str,
+                Quadric | Mesh | Spheres | Curves | InstanceArray,
+                NDArray[np.float64],
+                str,
+                Primvars,
+                Sequence[str],
+            ]
+        ],
     ) -> None: ...
+
+class InstanceArray:
+    """Many instances in little memory: as an object of its own, or as a part of a prototype.
+
+    `array_from_prototype`: (n, 4, 3) float64, row vectors, without the last column.
+    `prototype_of`: (n,) int32, into `prototypes`; None: all are of the first. `keys`: (n,) int64,
+    increasing: what names an entry from change to change; None: 0, 1, 2, ...
+    """
+
+    def __init__(
+        self,
+        prototypes: Sequence[Prototype],
+        array_from_prototype: NDArray[np.float64],
+        prototype_of: NDArray[np.int32] | None = None,
+        keys: NDArray[np.int64] | None = None,
+    ) -> None: ...
+    def __len__(self) -> int: ...
+    @property
+    def array_from_prototype(self) -> NDArray[np.float64]:
+        """The core's own memory, read-only."""
 
 class Texture:
     """An image, or the tiles of a UDIM, with its mip pyramid.
@@ -248,7 +279,7 @@ class ChangeSet:
     def set_object(
         self,
         path: str,
-        geometry: Quadric | Mesh | Spheres | Curves | Prototype,
+        geometry: Quadric | Mesh | Spheres | Curves | Prototype | InstanceArray,
         world_from_object: NDArray[np.float64],
         material: str = "",
         primvars: Primvars = ...,

@@ -96,6 +96,16 @@ void add_targets(const Surface& surface, const M44d& render_from_trace, Targets&
     targets.points.push_back(out({0, 0, -z}));
 }
 
+void add_targets(const CompiledPrototype& prototype, const M44d& render_from_prototype,
+                 Targets& targets) {
+    for (const Surface& part : prototype.surfaces)
+        add_targets(part, render_from_prototype, targets);
+    for (const NestedArray& array : prototype.arrays)
+        for (std::size_t entry = 0; entry < array.record->size(); ++entry)
+            add_targets(array.prototype(entry),
+                        array.outer_from_prototype(entry) * render_from_prototype, targets);
+}
+
 struct Kind {
     std::string name;
     std::unique_ptr<Scene> scene;
@@ -103,14 +113,11 @@ struct Kind {
 
     Kind(std::string called, const SceneBuilder& builder)
         : name(std::move(called)), scene(builder.scene()) {
-        for (const ObjectSlot& object : scene->objects()) {
-            if (!object.prototype) {
-                add_targets(object.surface, M44d(), targets);
-                continue;
-            }
-            for (const Surface& part : object.prototype->surfaces)
-                add_targets(part, object.render_from_prototype, targets);
-        }
+        for (std::uint32_t slot = 0; slot < scene->slot_count(); ++slot)
+            if (const CompiledPrototype* prototype = scene->prototype(slot))
+                add_targets(*prototype, scene->render_from_prototype(slot), targets);
+            else
+                add_targets(scene->object(slot).surface, M44d(), targets);
     }
 };
 
@@ -189,6 +196,20 @@ std::vector<Kind> make_kinds() {
             {"cone", quadric(QuadricKind::Cone), translation({0, 2, 0}), "red glass"}};
         add_copies(builder, std::shared_ptr<const Prototype>(prototype), random, 40);
         kinds.emplace_back("instances", builder);
+    }
+    {
+        // Tiles that meet edge to edge, some of them twice, and solids in every place and size.
+        SceneBuilder builder;
+        builder.add(tile_array(), M44d());
+        builder.add(random_array(random, 60), M44d());
+        builder.add(random_array(random, 20), random.transform(2));
+        kinds.emplace_back("arrays", builder);
+    }
+    {
+        SceneBuilder builder;
+        builder.add(nested_array(random), M44d());
+        builder.add(nested_array(random), random.transform(2));
+        kinds.emplace_back("nested arrays", builder);
     }
     {
         SceneBuilder builder;
@@ -308,7 +329,7 @@ struct Tally {
 };
 
 void print_row(const char* kind, const char* family, const Tally& row) {
-    std::printf("| %-12s | %-26s | %11zu | %11zu | %7zu | %8zu |\n", kind, family, row.rays,
+    std::printf("| %-13s | %-26s | %11zu | %11zu | %7zu | %8zu |\n", kind, family, row.rays,
                 row.differences, row.leaks, row.twins);
     std::fflush(stdout);
 }
@@ -371,8 +392,9 @@ std::vector<Closed> make_closed() {
     const std::shared_ptr<const Prototype> shared = prototype;
     const M44d shrunk = scaling(V3d(1.0 / 3)) * turned;
 
-    // A cube whose six faces are objects of their own: seams between meshes.
+    // A cube whose six faces are objects of their own: seams between meshes, and between instances.
     SceneBuilder faces;
+    auto entries = std::make_shared<InstanceArray>();
     const MeshPointer face = board(16, 0.125);
     for (int axis = 0; axis < 3; ++axis)
         for (const double side : {-1.0, 1.0}) {
@@ -382,7 +404,12 @@ std::vector<Closed> make_closed() {
             for (int a = 0; a < 3; ++a)
                 for (int b = 0; b < 3; ++b) cycle[a][b] = b == (a + axis) % 3 ? 1 : 0;
             faces.add(face, m * cycle);
+            entries->array_from_prototype.push_back(affine(m * cycle));
         }
+    entries->prototypes = {test::prototype({{"face", face, M44d(), "opaque"}})};
+    auto outer = std::make_shared<InstanceArray>();
+    outer->prototypes = {test::prototype({{"faces", ArrayPointer(entries), M44d(), ""}})};
+    outer->array_from_prototype = {affine(M44d())};
     return {{"8k ball", "edges, from inside", one(coarse, turned), 0.3},
             {"320k ball", "edges, from inside", one(fine, turned), 0.3},
             {"320k ball", "edges, from 10 radii", one(fine, turned), 10},
@@ -390,7 +417,9 @@ std::vector<Closed> make_closed() {
             {"mesh seams", "edges, from inside", faces, 0.3},
             {"mesh seams", "edges, from 10 radii", faces, 10},
             {"instance", "edges, from inside", one(shared, shrunk), 0.3},
-            {"instance", "edges, from 10 radii", one(shared, shrunk), 10}};
+            {"instance", "edges, from 10 radii", one(shared, shrunk), 10},
+            {"array seams", "edges, from inside", one(ArrayPointer(entries), M44d()), 0.3},
+            {"array seams", "edges, from 10 radii", one(ArrayPointer(outer), M44d()), 10}};
 }
 
 /// A ray leaks that finds no wall, or, coming from outside, whose first wall lies beyond the

@@ -131,7 +131,7 @@ TEST(Curves, JointsAreInside) {
     const auto scene = scene_of(std::shared_ptr<const Curves>(straight), M44d(), "red glass");
     const auto trees = intersector(*scene);
     const trace::OpticalDepth once =
-        scene->materials()[scene->objects()[0].surface.material].shadow_depth;
+        scene->materials()[scene->all_objects()[0].surface.material].shadow_depth;
     trace::QueryCounts counts;
     for (const trace::Ray& r : {ray({-4, 0.01, 0.02}, {1, 0, 0}), ray({1, 4, 0}, {0, -1, 0}),
                                 ray({4, 1, 0}, {-1, -0.4, 0}), ray({1.5, 0, 0}, {1, 0.01, 0})})
@@ -151,7 +151,7 @@ TEST(Curves, RingsCloseAndCrossingsCountEachTime) {
     const auto trees = intersector(*scene);
     trace::QueryCounts counts;
     const trace::OpticalDepth once =
-        scene->materials()[scene->objects()[0].surface.material].shadow_depth;
+        scene->materials()[scene->all_objects()[0].surface.material].shadow_depth;
     trace::OpticalDepth twice = once;
     for (int c = 0; c < 3; ++c) twice.rgb[c] = std::min(2 * once.rgb[c], trace::depth_opaque);
     EXPECT_EQ(trees->nearest(ray({0.5, -0.5, 4}, {0, 0, -1}), counts).primitive, 3u);

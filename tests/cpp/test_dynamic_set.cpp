@@ -17,8 +17,8 @@ trace::Hit nearest_of(const Scene& scene, const trace::Ray& ray, const trace::Hi
                       Counts&& counts) {
     trace::Hit best = limit;
     const trace::JudgeRay world = trace::judge_ray(ray);
-    for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
-        const ObjectSlot& object = scene.objects()[slot];
+    for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot) {
+        const ObjectSlot& object = scene.all_objects()[slot];
         if (!object.live || !counts(slot)) continue;
         const std::uint32_t primitives = trace::primitive_count(object.surface);
         for (std::uint32_t k = 0; k < primitives; ++k) {

@@ -94,13 +94,13 @@ std::size_t for_each_hit(
     }
     const auto scene = builder.scene();
     std::vector<history::Regions> regions;
-    for (const ObjectSlot& object : scene->objects()) {
+    for (const ObjectSlot& object : scene->all_objects()) {
         update::Footprints footprint(grid, 1);
-        footprint.add(object);
+        footprint.add(*scene, object.slot);
         regions.push_back(footprint.regions());
     }
     update::Footprints many(grid, 1000);
-    for (const ObjectSlot& object : scene->objects()) many.add(object);
+    for (const ObjectSlot& object : scene->all_objects()) many.add(*scene, object.slot);
     const history::Regions together = many.regions();
 
     std::size_t hits = 0;
@@ -116,8 +116,8 @@ std::size_t for_each_hit(
         }
         if (random.below(8) == 0) from *= 1000;
         const trace::Ray ray = test::ray(from, towards - from + V3d(0, 0, 1e-30));
-        for (std::size_t k = 0; k < scene->objects().size(); ++k) {
-            const ObjectSlot& object = scene->objects()[k];
+        for (std::size_t k = 0; k < scene->slot_count(); ++k) {
+            const ObjectSlot& object = scene->all_objects()[k];
             const trace::Hit hit = hit_on(object, ray);
             if (!hit) continue;
             ++hits;
@@ -154,7 +154,7 @@ TEST(Footprint, OfABigThinPlaneLeavesMostVoxelsOut) {
     builder.add(std::shared_ptr<const Mesh>(sheet()), rotation(0, 0.7) * rotation(1, 0.6));
     const auto scene = builder.scene();
     update::Footprints footprint(grid, 1);
-    footprint.add(scene->objects()[0]);
+    footprint.add(*scene, 0);
     const history::Regions regions = footprint.regions();
     std::size_t met = 0, all = 0;
     for (history::Path voxel = 0; voxel < history::voxel_count; voxel += 7, ++all)
@@ -166,7 +166,13 @@ TEST(Footprint, OfABigThinPlaneLeavesMostVoxelsOut) {
 TEST(Footprint, OfWhatIsNotThereIsEmpty) {
     const history::VoxelGrid grid;
     update::Footprints footprint(grid, 1);
-    footprint.add(ObjectSlot());
+    SceneBuilder builder;
+    builder.add(quadric(QuadricKind::Sphere), M44d());
+    const auto scene = builder.scene();
+    ChangeSet removal;
+    removal.objects["/o0"].reset();
+    scene->apply(removal);
+    footprint.add(*scene, 0);
     EXPECT_TRUE(footprint.regions().empty());
 }
 

@@ -61,7 +61,7 @@ TEST(Scene, RefusedChangesLeaveNoTrace) {
     bad.objects["/ball"] = std::nullopt;
     bad.objects["/other"] = Object{Quadric{}, M44d(), "/nowhere"};
     EXPECT_THROW(scene.apply(bad), std::invalid_argument);
-    EXPECT_TRUE(scene.objects()[0].live);
+    EXPECT_TRUE(scene.all_objects()[0].live);
     EXPECT_EQ(scene.materials().size(), 1u);
     EXPECT_EQ(scene.version(), 1u);
 }
@@ -84,9 +84,9 @@ TEST(Scene, SlotsBelongToTheirPaths) {
     scene.apply(away);
     others.objects["/another"] = others.objects["/ball"];
     scene.apply(others);
-    EXPECT_EQ(scene.objects()[0].path, "/ball");
-    EXPECT_EQ(scene.objects()[1].path, "/another");
-    EXPECT_LT(scene.objects()[1].rank, scene.objects()[0].rank);
+    EXPECT_EQ(scene.all_objects()[0].path, "/ball");
+    EXPECT_EQ(scene.all_objects()[1].path, "/another");
+    EXPECT_LT(scene.all_objects()[1].rank, scene.all_objects()[0].rank);
 }
 
 TEST(Scene, IdsArePublishedHashes) {
@@ -95,7 +95,7 @@ TEST(Scene, IdsArePublishedHashes) {
     changes.objects["hello"] = changes.objects["/ball"];
     scene.apply(changes);
     // MurmurHash3_x86_32("hello", seed 0), a published test vector.
-    EXPECT_EQ(scene.objects()[1].id, 0x248bfa47u);
+    EXPECT_EQ(scene.all_objects()[1].id, 0x248bfa47u);
 }
 
 TEST(Scene, LightsWithoutEnergyAreAbsent) {

@@ -113,7 +113,7 @@ TEST(Quadrics, HitsLieOnTheirPieceAndNormalsAreGradients) {
             SceneBuilder builder;
             builder.add(q, m);
             const auto scene = builder.scene();
-            const Surface& surface = scene->objects()[0].surface;
+            const Surface& surface = scene->all_objects()[0].surface;
             const V3d from = random.point() * 6, to = random.point() * 2;
             const trace::Ray r = ray(from, to - from);
             const trace::Hit hit = brute_force_nearest(*scene, r);
@@ -168,7 +168,7 @@ TEST(RayOrigin, LeavingRaysNeverMeetTheirPrimitiveFromTheWrongSide) {
         SceneBuilder builder;
         builder.add(geometry, m);
         const auto scene = builder.scene();
-        const ObjectSlot& object = scene->objects()[0];
+        const ObjectSlot& object = scene->all_objects()[0];
         V3d centre = transform_point(object.part(0).trace_from_shape, {0, 0, 0});
         if (object.prototype) centre = transform_point(object.render_from_prototype, centre);
         for (int shot = 0; shot < 8; ++shot) {
@@ -227,14 +227,15 @@ TEST(Occlusion, TintsAddAsDepths) {
     const trace::Occlusion all = trees->occlusion(ray({0.1, 0.2, -1}, {0, 0, 1}), counts);
     trace::OpticalDepth sum;
     for (std::uint32_t i = 0; i < 3; ++i) {
-        const auto& depth = scene->materials()[scene->objects()[i].surface.material].shadow_depth;
+        const auto& depth =
+            scene->materials()[scene->all_objects()[i].surface.material].shadow_depth;
         for (int c = 0; c < 3; ++c)
             sum.rgb[c] = std::min(sum.rgb[c] + depth.rgb[c], trace::depth_opaque);
     }
     EXPECT_EQ(all.depth, sum);
     EXPECT_EQ(all.blocker, trace::none);
     const trace::Occlusion one = trees->occlusion(ray({0.1, 0.2, -1}, {0, 0, 1}, 1.5), counts);
-    EXPECT_EQ(one.depth, scene->materials()[scene->objects()[0].surface.material].shadow_depth);
+    EXPECT_EQ(one.depth, scene->materials()[scene->all_objects()[0].surface.material].shadow_depth);
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(JudgeTriangle, LinesCrossClosedMeshesEvenly) {
         SceneBuilder builder;
         builder.add(mesh, rotation(0, 0.1));
         const auto scene = builder.scene();
-        const Triangles& t = *scene->objects()[0].surface.triangles;
+        const Triangles& t = *scene->all_objects()[0].surface.triangles;
         for (int i = 0; i < 3000; ++i) {
             const auto vertex = [&] { return V3d(t.points[random.below(t.points.size())]); };
             const V3d from = i % 5 == 0 ? vertex() : random.point() * 3;
@@ -164,7 +164,7 @@ TEST(Clusters, PairTrianglesAndKeepEachOnce) {
     SceneBuilder builder;
     builder.add(std::shared_ptr<const Mesh>(pawn(20, 31)), M44d());
     const auto scene = builder.scene();
-    Triangles triangles = *scene->objects()[0].surface.triangles;
+    Triangles triangles = *scene->all_objects()[0].surface.triangles;
     for (const bool shuffled : {false, true}) {
         if (shuffled)
             for (std::size_t i = triangles.triangles.size(); i > 1; --i)

@@ -119,7 +119,7 @@ Rays record(const Scene& scene, const trace::Intersector& found, std::uint32_t e
         const trace::JudgeRay judged = trace::judge_ray(ray);
         trace::Hit hit;
         out.changed.push_back(
-            trace::judge_primitive(scene.objects()[edited].surface, 0, judged, hit) &&
+            trace::judge_primitive(scene.all_objects()[edited].surface, 0, judged, hit) &&
             hit.t <= end);
     };
     for (const trace::Ray& ray : recorded.nearest) add(ray, found.nearest(ray, counts).t);
@@ -188,7 +188,7 @@ void keys_of_hulls(const trace::Box& crowd, const Scene& scene, std::uint32_t ed
             table.grid().path(rays.rays[i].origin, rays.rays[i].direction, rays.ends[i]));
     const double make = seconds_since(start);
     update::Footprints footprint(table.grid(), 1);
-    footprint.add(scene.objects()[edited]);
+    footprint.add(scene, edited);
     const history::Regions regions = footprint.regions();
     const auto scanned = std::chrono::steady_clock::now();
     table.clear_flags();
@@ -212,12 +212,12 @@ int main() {
     scene->apply(changes);
     const auto found = test::intersector(*scene);
     std::uint32_t edited = 0;  // the head of a man in front
-    for (std::uint32_t slot = 0; slot < scene->objects().size(); ++slot)
-        if (scene->objects()[slot].path == "/o78") edited = slot;
+    for (std::uint32_t slot = 0; slot < scene->slot_count(); ++slot)
+        if (scene->all_objects()[slot].path == "/o78") edited = slot;
     const Rays rays = record(*scene, *found, edited);
     std::vector<trace::Box> boxes;
     trace::Box all;
-    for (std::uint32_t slot = 0; slot < scene->objects().size(); ++slot) {
+    for (std::uint32_t slot = 0; slot < scene->slot_count(); ++slot) {
         boxes.push_back(found->box(slot));
         all.extend(found->box(slot));
     }

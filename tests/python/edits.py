@@ -68,6 +68,21 @@ RETEXTURES: dict[str, Sequence[Any]] = {
     "wrap": tuple((s, t) for s in WRAPS for t in WRAPS),
     "channel": ("r", "a"),
 }
+SWARMS = ("array", "forest")
+SWARM = (
+    (0, 0, (0.0, 0.0, 0.0), 0.5),
+    (1, 1, (1.0, 0.0, 0.0), 0.4),
+    (2, 2, (0.0, 1.0, 0.0), 0.5),
+    (5, 1, (1.0, 0.0, 0.0), 0.4),
+    (9, 0, (-1.0, 0.5, 0.5), 0.7),
+)
+"""Entries of an array, two of them in the same place."""
+
+
+def entry(pick: Pick) -> tuple[Any, ...] | None:
+    there = (pick((0, 1, 2)), tuple(pick(OFFSETS) for _ in "xyz"), pick((0.4, 0.5, -0.5)))
+    found: tuple[Any, ...] | None = pick((None, there, there, there))
+    return found
 
 
 def diagonal(scales: Sequence[float]) -> tuple[tuple[float, ...], ...]:
@@ -84,7 +99,7 @@ def point(pick: Pick) -> tuple[float, ...]:
 
 def geometry(pick: Pick) -> tuple[Any, ...]:
     solids = ("sphere", "cube", "cylinder", "cone", "capsule", "plane")
-    kind = pick((*solids, "box", "sheet", "blob", "pair", *MORE))
+    kind = pick((*solids, "box", "sheet", "blob", "pair", *MORE, *SWARMS))
     if kind in ("frustum", "round_cone"):
         return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
     if kind == "points":
@@ -92,6 +107,8 @@ def geometry(pick: Pick) -> tuple[Any, ...]:
     if kind == "curves":
         basis = pick(("linear", "bspline", "catmullRom"))
         return kind, basis, pick(("nonperiodic", "periodic", "pinned")), pick((LOCK, CLOUD))
+    if kind in ("array", "forest"):
+        return kind, pick((SWARM, SWARM[:3], ())), pick((0.5, 1.0))
     if kind == "box":
         return kind, pick((False, True)), BOX
     if kind == "blob":
@@ -154,6 +171,7 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
         pick(range(5)),
         pick((0.0, 0.1, 0.5)),
     ),
+    "entry": lambda pick: ("entry", pick((*NAMES, "/swarm")), pick((0, 1, 2, 5, 7)), entry(pick)),
     "thin": lambda pick: ("thin", pick((*NAMES, *MANY)), pick(range(5))),
     "add": lambda pick: ("object", pick(NAMES), geometry(pick), transform(pick), pick(MATERIALS)),
     "coincide": lambda pick: ("copy", pick(NAMES), pick(NAMES), pick(MATERIALS)),
@@ -189,12 +207,22 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "undo": lambda pick: ("undo", pick((1, 1, 2, 3))),
 }
 
+
+def swarm() -> scenes.State:
+    """The crowd, and an array among it."""
+    state = scenes.crowd()
+    record = (("array", SWARM, 1.0), scenes.floor(1.0), "")
+    state.apply([("object", "/swarm", *record)])
+    return state
+
+
 STARTS: dict[str, Callable[[], scenes.State]] = {
     "plain": scenes.initial,
     "glass": scenes.glass_before_floor,
     "crowd": scenes.crowd,
     "hall": scenes.hall,
     "papered": scenes.papered,
+    "swarm": swarm,
 }
 
 

@@ -5,10 +5,12 @@ A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), 
 ("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
 height), ("box", single_sided, corners[, faces, paints]), its faces' materials by place in paints, 0
 the object's own, ("blob", level, corners), a creased subdivision surface, ("sheet", size, tiling),
-a square mesh, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width), ...))
-or ("pair", radius, material), an instance; a material is the arguments of _core.Material, and
-perhaps "textured", see textures.py; a light is ("distant", direction, irradiance, casts_shadows) or
-("point", position, intensity, casts_shadows). Records of _core may stand in their place.
+a square mesh, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width),
+...)), ("pair", radius, material), an instance, or ("array" or "forest", ((key, prototype, offset,
+scale), ...), size), instances, or instances of instances; a material is the arguments of
+_core.Material, and perhaps "textured", see textures.py; a light is ("distant", direction,
+irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of _core may
+stand in their place.
 """
 
 from dataclasses import dataclass, field
@@ -33,6 +35,9 @@ LOCK = (
     (0.5, 0.0, 0.375, 0.3125),
     (0.5, -0.5, 0.5, 0.0),
 )
+HALF_W = np.diag([0.0, 0.0, 0.0, 0.5])
+"""Makes half the identity a scaling by a half."""
+
 BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
@@ -85,7 +90,10 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         radius, material = sizes
         ball, box = ("sphere", radius), ("box", False, BOX)
         parts = [("q", ball, material), ("m", box, "/red")]
-        return _core.Prototype([(n, geometry(g), np.eye(4), m) for n, g, m in parts])
+        return _core.Prototype([(n, geometry(g), np.eye(4), m, {}, ()) for n, g, m in parts])
+    if kind in ("array", "forest"):
+        entries, size = sizes
+        return array(entries, size, kind == "forest")
     if kind in ("points", "curves"):
         balls = np.array(sizes[-1], np.float32).reshape(-1, 4)
         points, widths = balls[:, :3], balls[:, 3]
@@ -95,6 +103,30 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         counts = np.array([len(balls)], np.int32)
         return _core.Curves(points, counts, widths, "vertex", basis, wrap, segments=3)
     return getattr(_core.Quadric, kind)(*sizes)
+
+
+def array(entries: tuple[tuple[Any, ...], ...], size: float, nested: bool) -> _core.InstanceArray:
+    """Entries: key, prototype (0, 1, 2), where it is, scale. Nested: of arrays of the same."""
+    pair, ball, box = ("pair", 0.5 * size, "/glass"), ("sphere", size), ("box", False, BOX)
+    prototypes = [
+        geometry(pair),
+        _core.Prototype([("ball", geometry(ball), np.eye(4), "/mirror", {}, ())]),
+        _core.Prototype([("box", geometry(box), 0.5 * np.eye(4) + HALF_W, "/red", {}, ())]),
+    ]
+    rows = np.zeros((len(entries), 4, 3))
+    for row, (_, _, offset, scale) in zip(rows, sorted(entries), strict=True):
+        row[:3] = scale * np.eye(3)
+        row[3] = offset
+    keys = np.array([entry[0] for entry in sorted(entries)], np.int64)
+    kinds = np.array([entry[1] for entry in sorted(entries)], np.int32)
+    if nested:
+        some = _core.InstanceArray(prototypes, 0.5 * rows[: len(rows) // 2 + 1])
+        inner: list[Any] = [
+            ("some", some, np.eye(4), "", {}, ()),
+            ("ball", geometry(ball), np.eye(4), "/red", {}, ()),
+        ]
+        prototypes[1] = _core.Prototype(inner)
+    return _core.InstanceArray(prototypes, rows, kinds, keys)
 
 
 def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, ...]:
@@ -252,6 +284,15 @@ class State:
         shape, *others = self.objects.get(name, ((),))
         if isinstance(shape, tuple) and shape[:1] == ("box",):
             self.objects[name] = ((*shape[:3], faces, paints), *others)
+
+    def _entry(self, name: str, key: int, entry: tuple[Any, ...] | None) -> None:
+        """An entry of an array is (prototype, offset, scale), or is not there."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and shape[:1] in (("array",), ("forest",)):
+            entries = [old for old in shape[1] if old[0] != key]
+            if entry is not None:
+                entries.append((key, *entry))
+            self.objects[name] = ((shape[0], tuple(sorted(entries)), shape[2]), *others)
 
     def _bind(self, name: str, material: str) -> None:
         if name in self.objects:

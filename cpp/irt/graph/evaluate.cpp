@@ -115,7 +115,7 @@ std::optional<Value> primvar_value(const Site& site, std::string_view name) {
         if (const Primvar* const primvar = find_primvar(curves->primvars, name))
             return take(*primvar, primvar_at(*curves, *primvar, hit.primitive, hit.u));
     }
-    const Primvar* const primvar = find_primvar(site.object.record.primvars, name);
+    const Primvar* const primvar = find_primvar(site.surface.primvars, name);
     if (!primvar) return std::nullopt;
     return take(*primvar, constant_value(*primvar));
 }

@@ -14,14 +14,13 @@ namespace irt::graph {
 /// Where on a surface, and how far the triangle's weights change along the axes of the ray's
 /// footprint; all 0: the footprint is a point.
 struct Site {
-    const ObjectSlot& object;
     const Surface& surface;
     const trace::Hit& hit;
     double u_x = 0, v_x = 0, u_y = 0, v_y = 0;
 };
 
-/// A primvar's value: of the mesh, points or curves, else a constant one of the object. Empty where
-/// there is none.
+/// A primvar's value: of the mesh, points or curves, else a constant one of the object or part.
+/// Empty where there is none.
 [[nodiscard]] std::optional<Value> primvar_value(const Site& site, std::string_view name);
 
 /// All inputs of `material` at `site`, brought within the specification's ranges.

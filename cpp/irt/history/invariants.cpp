@@ -8,7 +8,7 @@
 
 #include "irt/math/bits.h"
 #include "irt/trace/candidate.h"
-#include "irt/trace/judge_primitive.h"
+#include "irt/trace/judge_object.h"
 
 namespace irt::history {
 
@@ -25,26 +25,11 @@ bool same_name(const trace::HitName& a, const trace::HitName& b) {
 
 /// Whether an opaque part of object `slot` is on `ray`.
 bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
-    const ObjectSlot& object = scene.objects()[slot];
-    if (!object.live) return false;
-    trace::JudgeRay local = trace::judge_ray(ray);
-    if (object.prototype)
-        trace::transform_ray(object.prototype_from_render, trace::JudgeRay(local), local);
-    const std::size_t parts = object.prototype ? object.prototype->surfaces.size() : 1;
-    for (std::uint32_t part = 0; part < parts; ++part) {
-        const Surface& surface = object.part(part);
-        const std::uint32_t primitives = trace::primitive_count(surface);
-        for (std::uint32_t k = 0; k < primitives; ++k) {
-            trace::Hit hit;
-            hit.object = slot;
-            hit.part = part;
-            if (!trace::judge_primitive(surface, k, local, hit)) continue;
-            trace::Occlusion sum;
-            trace::add_occluder(scene, hit, sum);
-            if (sum.blocker != trace::none) return true;
-        }
-    }
-    return false;
+    return trace::judge_object(scene, slot, trace::judge_ray(ray), [&](const trace::Hit& hit) {
+        trace::Occlusion sum;
+        trace::add_occluder(scene, hit, sum);
+        return sum.blocker != trace::none;
+    });
 }
 
 class Checker {
@@ -173,8 +158,7 @@ class Checker {
         require(seen == (node.visible.object != trace::none), index,
                 "a point where something is visible, and nowhere else");
         if (seen)
-            require(node.visible.object < scene_.objects().size() &&
-                        scene_.objects()[node.visible.object].live,
+            require(node.visible.object < scene_.slot_count() && scene_.live(node.visible.object),
                     index, "the visible object is in the scene");
         const trace::Hit named = trace::named_hit(scene_, ray, node.visible);
         require(same_bits(named.t, node.t), index, "the visible hit, judged again, has its t");
@@ -213,8 +197,9 @@ class Checker {
             trace::QueryCounts counts;
             require(kept.depth == intersector_.occlusion(ray, counts).depth, index,
                     "a shadow record has the optical depth of its ray");
-            require(kept.blocker == trace::none || (kept.blocker < scene_.objects().size() &&
-                                                    blocks(scene_, kept.blocker, ray)),
+            require(kept.blocker == trace::none ||
+                        (kept.blocker < scene_.slot_count() && scene_.live(kept.blocker) &&
+                         blocks(scene_, kept.blocker, ray)),
                     index, "the blocker of a shadow record is opaque and on its ray");
             own *= shade::transmittance(kept);
         }

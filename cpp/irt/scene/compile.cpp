@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
 #include "irt/math/libm.h"
+#include "irt/scene/placement.h"
 #include "irt/scene/polygon.h"
+#include "irt/trace/judge_many.h"
 
 namespace irt {
 
@@ -178,20 +181,12 @@ M44d checked_inverse(const M44d& m, const std::string& path) {
     if (std::max({std::fabs(m[0][3]), std::fabs(m[1][3]), std::fabs(m[2][3]),
                   std::fabs(m[3][3] - 1)}) > affine_tolerance)
         refuse(path, "transform is not affine (its last column must be 0 0 0 1)");
-    // Cofactors of the 3x3 part; the translation follows.
-    M44d inverse;
-    double determinant = 0;
-    for (int i = 0; i < 3; ++i) {
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-        for (int j = 0; j < 3; ++j) {
-            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            inverse[j][i] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
-        }
-        determinant +=
-            i == 0 ? m[0][0] * inverse[0][0] + m[0][1] * inverse[1][0] + m[0][2] * inverse[2][0]
-                   : 0;
-    }
-    const double adjugate = largest_entry(inverse);
+    const Adjugate adjugate = adjugate_of(m);
+    const double determinant = adjugate.determinant;
+    double largest_cofactor = 0;
+    for (const auto& row : adjugate.entries)
+        for (const double entry : row)
+            largest_cofactor = std::max(largest_cofactor, std::fabs(entry));
     double rows = 1, columns = 1;
     for (int i = 0; i < 3; ++i) {
         rows *= V3d(m[i][0], m[i][1], m[i][2]).length();
@@ -199,17 +194,9 @@ M44d checked_inverse(const M44d& m, const std::string& path) {
     }
     if (determinant == 0 || !std::isfinite(determinant) ||
         std::fabs(determinant) < min_independence * std::min(rows, columns) ||
-        largest_entry(m) * adjugate > max_condition * std::fabs(determinant))
+        largest_entry(m) * largest_cofactor > max_condition * std::fabs(determinant))
         refuse(path, "transform is singular");
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) inverse[i][j] /= determinant;
-    const V3d t = transform_direction(inverse, {m[3][0], m[3][1], m[3][2]});
-    for (int j = 0; j < 3; ++j) {
-        inverse[3][j] = -t[j];
-        inverse[j][3] = 0;
-    }
-    inverse[3][3] = 1;
-    return inverse;
+    return inverse_of(m);
 }
 
 std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& mesh,
@@ -292,14 +279,105 @@ Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
     return surface;
 }
 
+void check_array(const InstanceArray& array, const std::string& path) {
+    const std::size_t count = array.size();
+    if (array.prototypes.empty() && count > 0) refuse(path, "instances, but no prototypes");
+    if (!array.prototype_of.empty() && array.prototype_of.size() != count)
+        refuse(path, "prototype_of has " + std::to_string(array.prototype_of.size()) +
+                         " entries, expected " + std::to_string(count));
+    for (const std::uint32_t prototype : array.prototype_of)
+        if (prototype >= array.prototypes.size())
+            refuse(path, "prototype_of names prototype " + std::to_string(prototype) + " of " +
+                             std::to_string(array.prototypes.size()));
+    if (!array.keys.empty() && array.keys.size() != count)
+        refuse(path, "keys has " + std::to_string(array.keys.size()) + " entries, expected " +
+                         std::to_string(count));
+    if (std::adjacent_find(array.keys.begin(), array.keys.end(), std::greater_equal<>()) !=
+        array.keys.end())
+        refuse(path, "keys must increase from entry to entry");
+    constexpr std::int64_t most = std::int64_t{1} << 62;
+    if (!array.keys.empty() && (array.keys.front() < -most || array.keys.back() > most))
+        refuse(path, "keys must lie within 2^62 of 0");
+}
+
+void add_materials(const Surface& surface, std::vector<std::uint32_t>& slots) {
+    slots.push_back(surface.material);
+    slots.insert(slots.end(), surface.face_materials.begin(), surface.face_materials.end());
+}
+
+trace::Box box_of(const Surface& surface) {
+    trace::Box box;
+    if (surface.triangles) {
+        for (const auto& triangle : surface.triangles->triangles)
+            for (const std::uint32_t vertex : triangle)
+                box.extend(V3d(surface.triangles->points[vertex]));
+        return box;
+    }
+    for (std::uint32_t k = 0; k < trace::primitive_count(surface); ++k)
+        if (const trace::Box own = trace::primitive_box(surface, k); !own.empty()) box.extend(own);
+    return box;
+}
+
+namespace {
+
+NestedArray compile_nested_array(const std::shared_ptr<const InstanceArray>& record,
+                                 const M44d& outer_from_array,
+                                 const PrototypeCompiler& compile_nested, const std::string& path) {
+    check_array(*record, path);
+    NestedArray out;
+    out.record = record;
+    out.outer_from_array = outer_from_array;
+    for (const auto& prototype : record->prototypes) {
+        out.prototypes.push_back(compile_nested(prototype, path));
+        out.stride = std::max(out.stride, out.prototypes.back()->parts);
+    }
+    for (std::size_t entry = 0; entry < record->size(); ++entry)
+        (void)checked_inverse(out.outer_from_prototype(entry),
+                              path + "[" + std::to_string(record->key(entry)) + "]");
+    return out;
+}
+
+}  // namespace
+
 std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prototype,
                                                            const MaterialIndex& material,
+                                                           const PrototypeCompiler& compile_nested,
                                                            const std::string& path) {
     auto out = std::make_shared<CompiledPrototype>();
-    for (const Part& part : prototype.parts)
+    std::vector<std::uint32_t>& materials = out->materials;
+    for (const Part& part : prototype.parts) {
+        const std::string part_path = path + "/" + part.name;
+        check_constant(part.primvars, part_path);
+        if (const auto* array = std::get_if<std::shared_ptr<const InstanceArray>>(&part.geometry)) {
+            if ((*array)->size() == 0) continue;
+            out->arrays.push_back(
+                compile_nested_array(*array, part.prototype_from_part, compile_nested, part_path));
+            continue;
+        }
         out->surfaces.push_back(
             compile_surface(part.geometry, part.prototype_from_part, material(part.material),
-                            slots_of(part.face_materials, material), path + "/" + part.name));
+                            slots_of(part.face_materials, material), part_path));
+        out->surfaces.back().primvars = part.primvars;
+        const trace::Box box = box_of(out->surfaces.back());
+        if (!box.empty()) out->box.extend(box);
+        add_materials(out->surfaces.back(), materials);
+    }
+    std::uint64_t parts = out->surfaces.size();
+    for (NestedArray& array : out->arrays) {
+        array.first_part = static_cast<std::uint32_t>(parts);
+        parts += std::uint64_t{array.stride} * array.record->size();
+        if (parts >= trace::none)
+            refuse(path, "instances of instances number more than 32 bits can; nest fewer");
+        for (std::size_t entry = 0; entry < array.record->size(); ++entry) {
+            const trace::Box& box = array.prototype(entry).box;
+            if (!box.empty()) out->box.extend(transformed(box, array.outer_from_prototype(entry)));
+        }
+        for (const auto& nested : array.prototypes)
+            materials.insert(materials.end(), nested->materials.begin(), nested->materials.end());
+    }
+    out->parts = static_cast<std::uint32_t>(parts);
+    std::sort(materials.begin(), materials.end());
+    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
     return out;
 }
 

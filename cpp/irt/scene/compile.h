@@ -24,7 +24,7 @@ void check_constant(const Primvars& primvars, const std::string& path);
 std::shared_ptr<const Triangles> triangulate(const std::shared_ptr<const Mesh>& mesh,
                                              const M44d& trace_from_shape, const std::string& path);
 
-/// `geometry` must not be a prototype.
+/// `geometry` must be a mesh or a quadric.
 Surface compile_surface(const Geometry& geometry, const M44d& trace_from_shape,
                         std::uint32_t material, std::vector<std::uint32_t> face_materials,
                         const std::string& path);
@@ -36,9 +36,21 @@ void check_face_materials(const Surface& surface, const std::string& path);
 std::vector<std::uint32_t> slots_of(const std::vector<std::string>& names,
                                     const MaterialIndex& material);
 
+/// `compile_nested` is asked for the prototypes of arrays among the parts.
 std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prototype,
                                                            const MaterialIndex& material,
+                                                           const PrototypeCompiler& compile_nested,
                                                            const std::string& path);
+
+/// Throws std::invalid_argument, beginning with `path`, where the arrays of `array` do not fit
+/// together.
+void check_array(const InstanceArray& array, const std::string& path);
+
+/// The materials that `surface` shows, added to `slots`.
+void add_materials(const Surface& surface, std::vector<std::uint32_t>& slots);
+
+/// The box of `surface` in its trace space.
+trace::Box box_of(const Surface& surface);
 
 /// Share of light a primitive of this material lets through to shadow rays: (1 - opacity) times
 /// diffuse colour, as optical depth (docs/shading.md).

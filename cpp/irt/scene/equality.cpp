@@ -7,18 +7,26 @@
 
 namespace irt {
 
-namespace {
-
 bool same(const Prototype& a, const Prototype& b) {
     if (a.parts.size() != b.parts.size()) return false;
     for (std::size_t i = 0; i < a.parts.size(); ++i) {
         const Part &p = a.parts[i], &q = b.parts[i];
         if (p.name != q.name || p.material != q.material || p.face_materials != q.face_materials ||
             !same_bits(p.prototype_from_part, q.prototype_from_part) ||
-            !same(p.geometry, q.geometry))
+            !same(p.geometry, q.geometry) || !same(p.primvars, q.primvars))
             return false;
     }
     return true;
+}
+
+namespace {
+
+bool same(const InstanceArray& a, const InstanceArray& b) {
+    return std::equal(a.prototypes.begin(), a.prototypes.end(), b.prototypes.begin(),
+                      b.prototypes.end(),
+                      [](const auto& p, const auto& q) { return p == q || same(*p, *q); }) &&
+           same_bits(a.prototype_of, b.prototype_of) && same_bits(a.keys, b.keys) &&
+           same_bits(a.array_from_prototype, b.array_from_prototype);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ bool same(const Mesh& a, const Mesh& b);
 bool same_hits(const Mesh& a, const Mesh& b);
 bool same(const Spheres& a, const Spheres& b);
 bool same(const Curves& a, const Curves& b);
+bool same(const Prototype& a, const Prototype& b);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);
 /// Whether both stop the same share of a shadow ray everywhere; false where that is hard to tell.

@@ -112,17 +112,20 @@ struct Curves {
 };
 
 struct Prototype;
+struct InstanceArray;
 
-using Geometry =
-    std::variant<Quadric, std::shared_ptr<const Mesh>, std::shared_ptr<const Prototype>,
-                 std::shared_ptr<const Spheres>, std::shared_ptr<const Curves>>;
+using Geometry = std::variant<Quadric, std::shared_ptr<const Mesh>,
+                              std::shared_ptr<const Prototype>, std::shared_ptr<const Spheres>,
+                              std::shared_ptr<const Curves>, std::shared_ptr<const InstanceArray>>;
 
-/// One part of a prototype: geometry (never another prototype) placed in the prototype's space.
+/// One part of a prototype: geometry (or an array of instances, but no prototype by itself) placed
+/// in the prototype's space.
 struct Part {
     std::string name;
     Geometry geometry;
     M44d prototype_from_part;
-    std::string material;
+    std::string material;    ///< unused for an array: its prototypes' parts name their own
+    Primvars primvars = {};  ///< constant ones, as of an object
     std::vector<std::string> face_materials = {};  ///< see Object
 };
 
@@ -131,11 +134,32 @@ struct Prototype {
     std::vector<Part> parts;
 };
 
+/// The first three columns of an affine matrix, row by row; the last is 0 0 0 1.
+using Affine = std::array<double, 12>;
+
+/// Instances in large numbers (UsdGeomPointInstancer). As an object, every entry is an object of
+/// its own, named by the array's path and the entry's key; nothing is kept of an entry but what is
+/// here and 8 bytes.
+struct InstanceArray {
+    std::vector<std::shared_ptr<const Prototype>> prototypes;
+    std::vector<std::uint32_t> prototype_of;  ///< by entry: into `prototypes`; empty: all the first
+    std::vector<std::int64_t> keys;           ///< by entry, increasing; empty: 0, 1, 2, ...
+    std::vector<Affine> array_from_prototype;  ///< by entry
+
+    [[nodiscard]] std::size_t size() const { return array_from_prototype.size(); }
+    [[nodiscard]] std::int64_t key(std::size_t entry) const {
+        return keys.empty() ? static_cast<std::int64_t>(entry) : keys[entry];
+    }
+    [[nodiscard]] std::uint32_t prototype(std::size_t entry) const {
+        return prototype_of.empty() ? 0 : prototype_of[entry];
+    }
+};
+
 /// An object of the scene. Its name is its prim path (DESIGN 3, rule 2).
 struct Object {
     Geometry geometry;
     M44d world_from_object;
-    std::string material;    ///< unused for an instance: its parts name their own
+    std::string material;    ///< unused for instances: their prototypes' parts name their own
     Primvars primvars = {};  ///< constant ones, read where the geometry has none of the name
     std::vector<std::string> face_materials = {};  ///< what Mesh::face_materials numbers
 };

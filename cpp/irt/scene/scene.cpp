@@ -3,8 +3,11 @@
 
 #include <murmurhash.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "irt/math/bits.h"
 #include "irt/scene/compile.h"
@@ -30,6 +33,20 @@ bool is_instance(const Object& object) {
     return std::holds_alternative<std::shared_ptr<const Prototype>>(object.geometry);
 }
 
+bool is_array(const Object& object) {
+    return std::holds_alternative<std::shared_ptr<const InstanceArray>>(object.geometry);
+}
+
+std::string entry_name(const std::string& path, std::int64_t key) {
+    return path + "[" + std::to_string(key) + "]";
+}
+
+/// Whether an entry of two arrays is the same instance in the same place.
+bool same_entry(const ObjectSlot& a, std::size_t i, const ObjectSlot& b, std::size_t j) {
+    return &a.prototype_of(i) == &b.prototype_of(j) &&
+           same_bits(a.array->array_from_prototype[i], b.array->array_from_prototype[j]);
+}
+
 const Mesh* mesh_of(const Object& object) {
     const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&object.geometry);
     return mesh ? mesh->get() : nullptr;
@@ -42,19 +59,18 @@ bool same_hits(const Object& a, const Object& b) {
     return mesh && other ? mesh == other || same_hits(*mesh, *other) : same(a.geometry, b.geometry);
 }
 
-/// Of two that rays meet alike. An instance's parts name their own materials.
+/// Of two that rays meet alike. Of what is instanced the parts name their own materials.
 bool same_shading(const Object& a, const Object& b) {
-    return same(a.geometry, b.geometry) && same(a.primvars, b.primvars) &&
-           (is_instance(a) || (a.material == b.material && a.face_materials == b.face_materials));
+    return is_instance(a) || is_array(a) ||
+           (same(a.geometry, b.geometry) && same(a.primvars, b.primvars) &&
+            a.material == b.material && a.face_materials == b.face_materials);
 }
 
 /// The materials that `object` may show, part by part.
 std::vector<Material> shown(const ObjectSlot& object, const std::vector<MaterialSlot>& materials) {
     std::vector<Material> records;
-    (void)object.any_material([&](std::uint32_t material) {
+    for (const std::uint32_t material : materials_of(object))
         records.push_back(materials[material].record);
-        return false;
-    });
     return records;
 }
 
@@ -71,13 +87,22 @@ bool tints_otherwise(const std::vector<Material>& before, const std::vector<Mate
 
 }  // namespace
 
+std::vector<std::uint32_t> materials_of(const ObjectSlot& object) {
+    if (object.prototype) return object.prototype->materials;
+    std::vector<std::uint32_t> slots;
+    if (!object.array) add_materials(object.surface, slots);
+    for (const auto& prototype : object.prototypes)
+        slots.insert(slots.end(), prototype->materials.begin(), prototype->materials.end());
+    return slots;
+}
+
 /// A change set made ready: all that can be refused has been.
 struct Scene::Prepared {
     SlotOf material_slots;                                      ///< as they will be
     std::set<std::string> materials;                            ///< those that will be live
-    std::vector<std::pair<std::string, ObjectSlot>> objects;    ///< added, moved or reshaped
+    std::vector<ObjectSlot> objects;                            ///< added, moved or reshaped
     std::vector<std::pair<std::uint32_t, ObjectSlot>> rebound;  ///< those that shade otherwise
-    std::vector<std::uint32_t> removed;
+    std::vector<std::uint32_t> removed;                         ///< objects
     std::map<std::shared_ptr<const Prototype>, std::shared_ptr<const CompiledPrototype>> prototypes;
 
     /// Slots of the materials of the object `path`; it throws std::invalid_argument where there is
@@ -96,27 +121,35 @@ Scene::Scene(const V3d& render_origin) : render_origin_(render_origin) {}
 ObjectSlot Scene::compile(const std::string& path, const Object& record, Prepared& prepared) const {
     const MaterialIndex material = prepared.materials_for(path);
     check_constant(record.primvars, path);
-    const M44d render_from_object = relative_to(record.world_from_object, render_origin_);
+    const PrototypeCompiler compiled = [&](const std::shared_ptr<const Prototype>& source,
+                                           const std::string& part_path) {
+        const auto known = prototypes_.find(source);
+        if (known != prototypes_.end())
+            if (auto made = known->second.lock()) return made;
+        auto& made = prepared.prototypes[source];
+        if (!made) made = compile_prototype(*source, material, compiled, part_path);
+        return made;
+    };
     ObjectSlot slot;
     slot.live = true;
     slot.path = path;
     slot.id = path_hash(path);
     slot.record = record;
-    if (!is_instance(record)) {
+    const M44d render_from_object = relative_to(record.world_from_object, render_origin_);
+    if (is_instance(record)) {
+        slot.render_from_prototype = render_from_object;
+        slot.prototype_from_render = checked_inverse(render_from_object, path);
+        slot.prototype =
+            compiled(std::get<std::shared_ptr<const Prototype>>(record.geometry), path);
+    } else if (is_array(record)) {
+        slot.array = std::get<std::shared_ptr<const InstanceArray>>(record.geometry);
+        slot.render_from_array = render_from_object;
+        compile_array(find(path, true), compiled, slot);
+    } else {
         slot.surface =
             compile_surface(record.geometry, render_from_object, material(record.material),
                             slots_of(record.face_materials, material), path);
-        return slot;
-    }
-    slot.render_from_prototype = render_from_object;
-    slot.prototype_from_render = checked_inverse(render_from_object, path);
-    const auto& source = std::get<std::shared_ptr<const Prototype>>(record.geometry);
-    const auto known = prototypes_.find(source);
-    if (known != prototypes_.end()) slot.prototype = known->second.lock();
-    if (!slot.prototype) {
-        auto& compiled = prepared.prototypes[source];
-        if (!compiled) compiled = compile_prototype(*source, material, path);
-        slot.prototype = compiled;
+        slot.surface.primvars = record.primvars;
     }
     return slot;
 }
@@ -126,18 +159,45 @@ ObjectSlot Scene::rebind(const ObjectSlot& old, const Object& record, Prepared& 
     if (!same(old.record.geometry, record.geometry)) {
         ObjectSlot slot = compile(old.path, record, prepared);
         slot.rank = old.rank;
+        slot.slot = old.slot;
         return slot;
     }
     check_constant(record.primvars, old.path);
     ObjectSlot slot = old;
     slot.record = record;
     slot.record.geometry = old.record.geometry;
-    if (is_instance(record)) return slot;
     const MaterialIndex material = prepared.materials_for(old.path);
     slot.surface.material = material(record.material);
     slot.surface.face_materials = slots_of(record.face_materials, material);
     check_face_materials(slot.surface, old.path);
+    slot.surface.primvars = record.primvars;
     return slot;
+}
+
+/// Fills in the prototypes of `slot`; `old`: the array of the same path, or null.
+void Scene::compile_array(const ObjectSlot* old, const PrototypeCompiler& compiled,
+                          ObjectSlot& slot) const {
+    const InstanceArray& array = *slot.array;
+    check_array(array, slot.path);
+    if (array.size() >= trace::none - slots_.size())
+        throw std::invalid_argument(slot.path + ": more instances than 32 bits can number");
+    // A prototype made again with the same contents is the same: what it was compiled to stays.
+    for (const auto& prototype : array.prototypes) {
+        std::shared_ptr<const CompiledPrototype> made;
+        for (std::size_t i = 0; old && !made && i < old->prototypes.size(); ++i) {
+            const auto& before = old->array->prototypes[i];
+            if (before == prototype || same(*before, *prototype)) made = old->prototypes[i];
+        }
+        slot.prototypes.push_back(made ? made : compiled(prototype, slot.path));
+    }
+    // What stands as it stood was checked before.
+    const bool stays = old && old->live && old->array->size() == array.size() &&
+                       same_bits(old->render_from_array, slot.render_from_array);
+    for (std::size_t entry = 0; entry < array.size(); ++entry)
+        if (!stays ||
+            !same_bits(old->array->array_from_prototype[entry], array.array_from_prototype[entry]))
+            (void)checked_inverse(slot.render_from_entry(entry),
+                                  entry_name(slot.path, array.key(entry)));
 }
 
 Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
@@ -159,24 +219,28 @@ Scene::Prepared Scene::prepare(const ChangeSet& changes) const {
         }
     }
     const auto require_materials = [&](const ObjectSlot& object) {
-        if (object.any_material([&](std::uint32_t m) { return removed_materials.contains(m); }))
-            throw std::invalid_argument(object.path + ": its material was removed");
+        for (const std::uint32_t material : materials_of(object))
+            if (removed_materials.contains(material))
+                throw std::invalid_argument(object.path + ": its material was removed");
     };
 
     for (const auto& [path, record] : changes.objects) {
-        const auto found = object_slots_.find(path);
-        const bool live = found != object_slots_.end() && objects_[found->second].live;
-        if (!record) {
-            if (live) prepared.removed.push_back(found->second);
-        } else if (!live || !same_hits(objects_[found->second].record, *record)) {
-            prepared.objects.emplace_back(path, compile(path, *record, prepared));
-            if (!removed_materials.empty()) require_materials(prepared.objects.back().second);
-        } else if (!same_shading(objects_[found->second].record, *record)) {
-            prepared.rebound.emplace_back(found->second,
-                                          rebind(objects_[found->second], *record, prepared));
+        // A path may have had an array and an object that is none, one after the other.
+        for (const bool array : {false, true}) {
+            const ObjectSlot* old = find(path, array);
+            if (old && old->live && !(record && is_array(*record) == array))
+                prepared.removed.push_back(index_of(*old));
+        }
+        if (!record) continue;
+        const ObjectSlot* old = find(path, is_array(*record));
+        if (!old || !old->live || !same_hits(old->record, *record)) {
+            prepared.objects.push_back(compile(path, *record, prepared));
+            if (!removed_materials.empty()) require_materials(prepared.objects.back());
+        } else if (!same_shading(old->record, *record)) {
+            prepared.rebound.emplace_back(index_of(*old), rebind(*old, *record, prepared));
             if (!removed_materials.empty()) require_materials(prepared.rebound.back().second);
         } else if (!removed_materials.empty()) {
-            require_materials(objects_[found->second]);
+            require_materials(*old);
         }
     }
 
@@ -213,38 +277,36 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
         applied.materials.push_back(found->second);
     }
 
-    for (auto& [path, slot] : prepared.objects) {
-        const auto [found, added] =
-            object_slots_.try_emplace(path, static_cast<std::uint32_t>(objects_.size()));
-        if (added) objects_.emplace_back();
-        if (slot.prototype)
-            prototypes_[std::get<std::shared_ptr<const Prototype>>(slot.record.geometry)] =
-                slot.prototype;
-        slot.rank = objects_[found->second].rank;
-        std::swap(objects_[found->second], slot);
-        if (slot.live) applied.previous.push_back(std::move(slot));
-        applied.geometry.push_back(found->second);
-    }
+    for (const auto& [source, compiled] : prepared.prototypes) prototypes_[source] = compiled;
     for (const std::uint32_t index : prepared.removed) {
         ObjectSlot empty;
         empty.path = objects_[index].path;
-        std::swap(objects_[index], empty);
-        applied.previous.push_back(std::move(empty));
-        applied.geometry.push_back(index);
+        if (objects_[index].array) {
+            empty.array = std::make_shared<const InstanceArray>();
+            place_entries(index, std::move(empty), applied);
+        } else {
+            replace(index, std::move(empty), applied);
+        }
+    }
+    for (ObjectSlot& next : prepared.objects) {
+        const bool array = next.array != nullptr;
+        const std::uint32_t index = find_or_add(next.path, array);
+        if (array)
+            place_entries(index, std::move(next), applied);
+        else
+            replace(index, std::move(next), applied);
     }
     for (std::size_t i = 0; i < prepared.rebound.size(); ++i) {
         auto& [index, slot] = prepared.rebound[i];
         ObjectSlot& object = objects_[index];
-        (void)object.any_material([&](std::uint32_t material) {
+        for (const std::uint32_t material : materials_of(object))
             applied.unbound.push_back(material);
-            return false;
-        });
         const bool repainted = !same(object.record.geometry, slot.record.geometry) ||
                                !same(object.record.primvars, slot.record.primvars);
         object = std::move(slot);
-        applied.rebound.push_back(index);
+        applied.rebound.push_back(object.slot);
         if (tints_otherwise(materials_before[i], shown(object, materials_), repainted))
-            applied.retinted.push_back(index);
+            applied.retinted.push_back(object.slot);
     }
     if (!prepared.objects.empty()) rank_objects();
     std::erase_if(prototypes_, [](const auto& entry) { return entry.second.expired(); });
@@ -265,10 +327,133 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
     return applied;
 }
 
+const ObjectSlot* Scene::find(const std::string& path, bool array) const {
+    const auto found = object_indices_.find({path, array});
+    return found == object_indices_.end() ? nullptr : &objects_[found->second];
+}
+
+std::uint32_t Scene::index_of(const ObjectSlot& object) const {
+    return static_cast<std::uint32_t>(&object - objects_.data());
+}
+
+std::uint32_t Scene::find_or_add(const std::string& path, bool array) {
+    const auto next = static_cast<std::uint32_t>(objects_.size());
+    const auto [found, added] = object_indices_.try_emplace({path, array}, next);
+    if (!added) return found->second;
+    ObjectSlot& object = objects_.emplace_back();
+    object.path = path;
+    if (!array) {
+        object.slot = slot_count();
+        slots_.push_back({next, 0});
+        return next;
+    }
+    object.array = std::make_shared<const InstanceArray>();
+    return next;
+}
+
+/// Puts `next` in the place of an object that is no array.
+void Scene::replace(std::uint32_t index, ObjectSlot next, AppliedChanges& applied) {
+    ObjectSlot& object = objects_[index];
+    next.rank = object.rank;
+    next.slot = object.slot;
+    std::swap(object, next);
+    if (next.live) applied.previous.push_back(std::move(next));
+    applied.geometry.push_back(object.slot);
+}
+
+/// Puts `next` in the place of an array, and finds which entries differ.
+void Scene::place_entries(std::uint32_t index, ObjectSlot next, AppliedChanges& applied) {
+    std::vector<KeyRun>& runs = key_runs_[index];
+    add_keys(runs, *next.array, index);
+    FormerEntries former;
+    next.rank = objects_[index].rank;
+    former.array = std::exchange(objects_[index], std::move(next));
+    const ObjectSlot &now = objects_[index], &was = former.array;
+    const bool moved = !same_bits(now.render_from_array, was.render_from_array);
+    std::size_t i = 0, j = 0;  // entries of the array that was and of that which is
+    auto run = runs.begin();
+    while (i < was.array->size() || j < now.array->size()) {
+        const bool old = i < was.array->size() &&
+                         (j == now.array->size() || was.array->key(i) <= now.array->key(j));
+        const bool fresh = j < now.array->size() &&
+                           (i == was.array->size() || now.array->key(j) <= was.array->key(i));
+        const std::int64_t key = old ? was.array->key(i) : now.array->key(j);
+        while (run->key + run->count <= key) ++run;
+        const std::uint32_t slot = run->slot + static_cast<std::uint32_t>(key - run->key);
+        slots_[slot].entry = fresh ? static_cast<std::uint32_t>(j) : trace::none;
+        if (!(old && fresh) || moved || !same_entry(was, i, now, j)) {
+            applied.geometry.push_back(slot);
+            if (old) former.entries.push_back(static_cast<std::uint32_t>(i));
+        }
+        i += old ? 1 : 0;
+        j += fresh ? 1 : 0;
+    }
+    if (!former.entries.empty()) applied.former.push_back(std::move(former));
+}
+
+/// Gives slots to those keys of `array` that have none yet.
+void Scene::add_keys(std::vector<KeyRun>& runs, const InstanceArray& array, std::uint32_t index) {
+    std::vector<KeyRun> added;
+    std::size_t known = 0;
+    for (std::size_t entry = 0; entry < array.size(); ++entry) {
+        const std::int64_t key = array.key(entry);
+        while (known < runs.size() && runs[known].key + runs[known].count <= key) ++known;
+        if (known < runs.size() && runs[known].key <= key) continue;
+        if (added.empty() || added.back().key + added.back().count != key)
+            added.push_back({key, slot_count(), 0});
+        ++added.back().count;
+        slots_.push_back({index, trace::none});
+    }
+    if (added.empty()) return;
+    std::vector<KeyRun> all;
+    std::merge(runs.begin(), runs.end(), added.begin(), added.end(), std::back_inserter(all),
+               [](const KeyRun& a, const KeyRun& b) { return a.key < b.key; });
+    runs.clear();
+    for (const KeyRun& run : all)
+        if (!runs.empty() && runs.back().key + runs.back().count == run.key &&
+            runs.back().slot + runs.back().count == run.slot)
+            runs.back().count += run.count;
+        else
+            runs.push_back(run);
+}
+
+std::vector<std::uint32_t> Scene::entry_slots(const ObjectSlot& array) const {
+    std::vector<std::uint32_t> slots;
+    if (array.array->size() == 0) return slots;
+    slots.reserve(array.array->size());
+    auto run = key_runs_.at(index_of(array)).begin();
+    for (std::size_t entry = 0; entry < array.array->size(); ++entry) {
+        const std::int64_t key = array.array->key(entry);
+        while (run->key + run->count <= key) ++run;
+        slots.push_back(run->slot + static_cast<std::uint32_t>(key - run->key));
+    }
+    return slots;
+}
+
+M44d Scene::render_from_trace(std::uint32_t slot, std::uint32_t part) const {
+    const CompiledPrototype* shared = prototype(slot);
+    if (!shared) return {};
+    M44d m = render_from_prototype(slot);
+    (void)shared->part(part, [&](const NestedArray& array, std::uint32_t entry) {
+        m = array.outer_from_prototype(entry) * m;
+    });
+    return m;
+}
+
+std::string Scene::name(std::uint32_t slot) const {
+    const ObjectSlot& o = object(slot);
+    return o.array ? entry_name(o.path, o.array->key(entry(slot))) : o.path;
+}
+
+std::uint32_t Scene::id(std::uint32_t slot) const {
+    const ObjectSlot& o = object(slot);
+    return o.array ? path_hash(name(slot)) : o.id;
+}
+
 /// Ranks only need to order live objects by path, so all paths ever seen are ranked together.
 void Scene::rank_objects() {
     std::uint32_t rank = 0;
-    for (const auto& [path, index] : object_slots_) objects_[index].rank = rank++;
+    for (const auto& [key, index] : object_indices_) objects_[index].rank = rank++;
 }
 
 void Scene::order_lights() {

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +15,8 @@
 #include <vector>
 
 #include "irt/scene/change_set.h"
+#include "irt/scene/placement.h"
+#include "irt/trace/box.h"
 #include "irt/trace/ray.h"
 
 namespace irt {
@@ -37,6 +41,7 @@ struct Surface {
     M44d trace_from_shape, shape_from_trace;     ///< shape: the authored object or part space
     std::uint32_t material = 0;                  ///< slot in Scene::materials()
     std::vector<std::uint32_t> face_materials;   ///< slots of what Mesh::face_materials numbers
+    Primvars primvars = {};  ///< constant ones, read where the mesh has none of the name
 
     /// Slot of the material of a triangle (of a quadric: 0).
     [[nodiscard]] std::uint32_t material_of(std::uint32_t primitive) const {
@@ -45,41 +50,94 @@ struct Surface {
         const std::int32_t face = triangles->mesh->face_materials[triangles->faces[primitive]];
         return face < 0 ? material : face_materials[static_cast<std::size_t>(face)];
     }
-    /// Whether `test` holds of the slot of some material that it may show.
-    template <class Test>
-    [[nodiscard]] bool any_material(Test&& test) const {
-        return test(material) || std::any_of(face_materials.begin(), face_materials.end(), test);
+};
+
+struct CompiledPrototype;
+
+/// Instances within a prototype. Each has as many part numbers as the largest of its prototypes has
+/// parts: `stride`.
+struct NestedArray {
+    std::shared_ptr<const InstanceArray> record;
+    M44d outer_from_array;
+    std::vector<std::shared_ptr<const CompiledPrototype>> prototypes;
+    std::uint32_t first_part = 0, stride = 1;
+
+    [[nodiscard]] const CompiledPrototype& prototype(std::size_t entry) const {
+        return *prototypes[record->prototype(entry)];
+    }
+    [[nodiscard]] M44d outer_from_prototype(std::size_t entry) const {
+        return placed(record->array_from_prototype[entry], outer_from_array);
     }
 };
 
-/// The compiled form of a Prototype, shared by its instances.
+/// The compiled form of a Prototype, shared by its instances. Its parts are numbered: first the
+/// surfaces, then those of the arrays, entry by entry.
 struct CompiledPrototype {
     std::vector<Surface> surfaces;
+    std::vector<NestedArray> arrays;
+    std::uint32_t parts = 0;               ///< numbers in use, and some that are not
+    trace::Box box;                        ///< of all parts, in the prototype's space
+    std::vector<std::uint32_t> materials;  ///< slots of all that show, increasing
+
+    /// Where a part that is no surface lies: array, entry, and number within the entry's prototype.
+    struct Located {
+        const NestedArray* array;
+        std::uint32_t entry, part;
+    };
+    [[nodiscard]] Located locate(std::uint32_t number) const {
+        const NestedArray* array = &arrays.back();
+        while (array->first_part > number) --array;
+        const std::uint32_t within = number - array->first_part;
+        return {array, within / array->stride, within % array->stride};
+    }
+    /// The surface of that number. Calls enter(array, entry) for each array on the way to it, from
+    /// the outermost on.
+    template <class Enter>
+    [[nodiscard]] const Surface& part(std::uint32_t number, Enter&& enter) const {
+        const CompiledPrototype* at = this;
+        while (number >= at->surfaces.size()) {
+            const auto [array, entry, inner] = at->locate(number);
+            enter(*array, entry);
+            at = &array->prototype(entry);
+            number = inner;
+        }
+        return at->surfaces[number];
+    }
+    [[nodiscard]] const Surface& part(std::uint32_t number) const {
+        return part(number, [](const NestedArray&, std::uint32_t) {});
+    }
 };
 
-/// An object's slot. A slot belongs to its path for the life of the scene, so that no history can
-/// mistake one object for another; `live` is false while there is no object of that path.
+/// What there is, or was, under a path: an object, or an array of them.
 struct ObjectSlot {
     bool live = false;
     std::string path;
     std::uint32_t rank = 0;  ///< order of `path` among all paths: ties go to the lower rank
     std::uint32_t id = 0;    ///< MurmurHash3 (x86, 32 bit) of `path`: what id AOVs show
+    std::uint32_t slot = 0;  ///< in the scene; unless an array, whose entries have slots
     Object record;
-    Surface surface;                                     ///< unless an instance
+    Surface surface;                                     ///< unless instances
     std::shared_ptr<const CompiledPrototype> prototype;  ///< an instance's shapes, else null
-    M44d render_from_prototype, prototype_from_render;   ///< instances
+    M44d render_from_prototype, prototype_from_render;   ///< an instance
 
-    [[nodiscard]] const Surface& part(std::uint32_t index) const {
-        return prototype ? prototype->surfaces[index] : surface;
+    std::shared_ptr<const InstanceArray> array;                        ///< null: no array
+    std::vector<std::shared_ptr<const CompiledPrototype>> prototypes;  ///< the array's, as there
+    M44d render_from_array;
+
+    /// Unless an array.
+    [[nodiscard]] const Surface& part(std::uint32_t number) const {
+        return prototype ? prototype->part(number) : surface;
     }
-    /// Whether `test` holds of the slot of some material that it may show.
-    template <class Test>
-    [[nodiscard]] bool any_material(Test&& test) const {
-        if (!prototype) return surface.any_material(test);
-        return std::any_of(prototype->surfaces.begin(), prototype->surfaces.end(),
-                           [&](const Surface& part) { return part.any_material(test); });
+    [[nodiscard]] const CompiledPrototype& prototype_of(std::size_t entry) const {
+        return *prototypes[array->prototype(entry)];
+    }
+    [[nodiscard]] M44d render_from_entry(std::size_t entry) const {
+        return placed(array->array_from_prototype[entry], render_from_array);
     }
 };
+
+/// The slots of the materials that `object` shows; an array's entries together.
+[[nodiscard]] std::vector<std::uint32_t> materials_of(const ObjectSlot& object);
 
 /// A material's slot belongs to its name for the life of the scene.
 struct MaterialSlot {
@@ -98,10 +156,21 @@ struct LightSlot {
     V3d position_render;  ///< render space, double
 };
 
+/// Entries of an array as they were.
+struct FormerEntries {
+    ObjectSlot array;
+    std::vector<std::uint32_t> entries;
+};
+
+/// The compiled form of a prototype; `path` begins what is said of it where it cannot be rendered.
+using PrototypeCompiler = std::function<std::shared_ptr<const CompiledPrototype>(
+    const std::shared_ptr<const Prototype>& prototype, const std::string& path)>;
+
 /// What `Scene::apply` found to differ, record by record and by value.
 struct AppliedChanges {
     std::vector<std::uint32_t> geometry;  ///< object slots added, removed, moved or reshaped
     std::vector<ObjectSlot> previous;     ///< of `geometry`: as they were, dead ones left out
+    std::vector<FormerEntries> former;    ///< likewise, the entries of arrays
     std::vector<std::uint32_t> rebound;   ///< object slots that shade otherwise where hit as before
     std::vector<std::uint32_t> unbound;   ///< of `rebound`: the material slots they had
     std::vector<std::uint32_t> materials;  ///< material slots whose values changed
@@ -125,7 +194,63 @@ class Scene {
     AppliedChanges apply(const ChangeSet& changes);
 
     [[nodiscard]] const V3d& render_origin() const { return render_origin_; }
-    [[nodiscard]] const std::vector<ObjectSlot>& objects() const { return objects_; }
+
+    /// Slots are the numbers of objects, an array's entries among them. A slot belongs to its name
+    /// (a path; a path and a key) for the life of the scene, so that no history can mistake one
+    /// object for another.
+    [[nodiscard]] std::uint32_t slot_count() const {
+        return static_cast<std::uint32_t>(slots_.size());
+    }
+    /// What the slot is of: an object, or the array that it is an entry of.
+    [[nodiscard]] const ObjectSlot& object(std::uint32_t slot) const {
+        return objects_[slots_[slot].object];
+    }
+    /// Index into all_objects().
+    [[nodiscard]] std::uint32_t object_index(std::uint32_t slot) const {
+        return slots_[slot].object;
+    }
+    /// Place in the array's record, of a live slot.
+    [[nodiscard]] std::uint32_t entry(std::uint32_t slot) const { return slots_[slot].entry; }
+    /// Whether there is an object of that name now.
+    [[nodiscard]] bool live(std::uint32_t slot) const {
+        return slots_[slot].entry != trace::none && object(slot).live;
+    }
+    /// What there is or was under every path, arrays as one.
+    [[nodiscard]] const std::vector<ObjectSlot>& all_objects() const { return objects_; }
+    /// The slots of the entries of an array, in their order.
+    [[nodiscard]] std::vector<std::uint32_t> entry_slots(const ObjectSlot& array) const;
+
+    // Of live slots:
+    [[nodiscard]] const Surface& surface(std::uint32_t slot, std::uint32_t part) const {
+        const ObjectSlot& o = object(slot);
+        return o.array ? o.prototype_of(entry(slot)).part(part) : o.part(part);
+    }
+    /// Null: no instance.
+    [[nodiscard]] const CompiledPrototype* prototype(std::uint32_t slot) const {
+        const ObjectSlot& o = object(slot);
+        return o.array ? &o.prototype_of(entry(slot)) : o.prototype.get();
+    }
+    /// Of instances.
+    [[nodiscard]] M44d render_from_prototype(std::uint32_t slot) const {
+        const ObjectSlot& o = object(slot);
+        return o.array ? o.render_from_entry(entry(slot)) : o.render_from_prototype;
+    }
+    [[nodiscard]] M44d prototype_from_render(std::uint32_t slot) const {
+        const ObjectSlot& o = object(slot);
+        return o.array ? inverse_of(o.render_from_entry(entry(slot))) : o.prototype_from_render;
+    }
+    /// From the space that a part's Surface is in; the identity where that is render space.
+    [[nodiscard]] M44d render_from_trace(std::uint32_t slot, std::uint32_t part) const;
+    /// Whether ties go to the first of two slots: by path, then by key.
+    [[nodiscard]] bool before(std::uint32_t first, std::uint32_t second) const {
+        const std::uint32_t rank = object(first).rank, other = object(second).rank;
+        return rank != other ? rank < other : entry(first) < entry(second);
+    }
+    /// The path; of an entry, with its key: /Trees[5].
+    [[nodiscard]] std::string name(std::uint32_t slot) const;
+    /// MurmurHash3 (x86, 32 bit) of the name: what id AOVs show.
+    [[nodiscard]] std::uint32_t id(std::uint32_t slot) const;
+
     [[nodiscard]] const std::vector<MaterialSlot>& materials() const { return materials_; }
     /// In path order, lights of no energy left out (DESIGN 3, rule 3).
     [[nodiscard]] const std::vector<LightSlot>& lights() const { return lights_; }
@@ -134,18 +259,43 @@ class Scene {
 
   private:
     struct Prepared;
+    /// Slots of an array's keys: `count` of both in a row.
+    struct KeyRun {
+        std::int64_t key;
+        std::uint32_t slot, count;
+    };
+    struct Slot {
+        std::uint32_t object;  ///< index into objects_
+        std::uint32_t entry;   ///< of an array: place in its record, `none`: no longer there
+    };
+    struct Key {
+        std::string path;
+        bool array;
+        auto operator<=>(const Key&) const = default;
+    };
     [[nodiscard]] Prepared prepare(const ChangeSet& changes) const;
     [[nodiscard]] ObjectSlot compile(const std::string& path, const Object& record,
                                      Prepared& prepared) const;
     [[nodiscard]] ObjectSlot rebind(const ObjectSlot& old, const Object& record,
                                     Prepared& prepared) const;
+    void compile_array(const ObjectSlot* old, const PrototypeCompiler& compiled,
+                       ObjectSlot& slot) const;
+    /// Null: there never was one.
+    [[nodiscard]] const ObjectSlot* find(const std::string& path, bool array) const;
+    [[nodiscard]] std::uint32_t index_of(const ObjectSlot& object) const;
+    [[nodiscard]] std::uint32_t find_or_add(const std::string& path, bool array);
+    void replace(std::uint32_t index, ObjectSlot next, AppliedChanges& applied);
+    void place_entries(std::uint32_t index, ObjectSlot next, AppliedChanges& applied);
+    void add_keys(std::vector<KeyRun>& runs, const InstanceArray& array, std::uint32_t index);
     void rank_objects();
     void order_lights();
 
     using SlotOf = std::map<std::string, std::uint32_t>;
     V3d render_origin_;
     std::vector<ObjectSlot> objects_;
-    SlotOf object_slots_;
+    std::vector<Slot> slots_;
+    std::map<Key, std::uint32_t> object_indices_;
+    std::map<std::uint32_t, std::vector<KeyRun>> key_runs_;  ///< of arrays, by object; by key
     std::vector<MaterialSlot> materials_;
     SlotOf material_slots_;
     std::map<std::string, Light> light_records_;

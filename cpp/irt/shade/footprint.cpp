@@ -21,14 +21,14 @@ FootprintAxes footprint_axes(const V3d& direction, const V3d& normal, double wid
             normal.cross(along) * width};
 }
 
-void set_footprint(const V3d& direction, const V3d& normal, double width, graph::Site& site) {
+void set_footprint(const V3d& direction, const V3d& normal, double width,
+                   const M44d& render_from_trace, graph::Site& site) {
     const Triangles* const triangles = site.surface.triangles.get();
     if (!triangles) return;
     FootprintAxes axes = footprint_axes(direction, normal, width);
-    if (site.object.prototype) {
-        axes.along = transform_direction(site.object.prototype_from_render, axes.along);
-        axes.across = transform_direction(site.object.prototype_from_render, axes.across);
-    }
+    const M44d trace_from_render = inverse_of(render_from_trace);
+    axes.along = transform_direction(trace_from_render, axes.along);
+    axes.across = transform_direction(trace_from_render, axes.across);
     const auto& v = triangles->triangles[site.hit.primitive];
     const V3d a(triangles->points[v[0]]);
     const V3d to_b = V3d(triangles->points[v[1]]) - a, to_c = V3d(triangles->points[v[2]]) - a;

@@ -20,6 +20,7 @@ struct FootprintAxes {
 
 /// Sets how the weights of the triangle at `site` change along those axes (render space); nothing
 /// where there is no triangle, for no primvar varies there.
-void set_footprint(const V3d& direction, const V3d& normal, double width, graph::Site& site);
+void set_footprint(const V3d& direction, const V3d& normal, double width,
+                   const M44d& render_from_trace, graph::Site& site);
 
 }  // namespace irt::shade

@@ -26,6 +26,7 @@ struct Frame {
 };
 
 std::optional<Frame> tangent_frame(const Material& material, const graph::Site& site,
+                                   const M44d& render_from_trace,
                                    const trace::SurfacePoint& point) {
     const Triangles* const triangles = site.surface.triangles.get();
     if (!triangles) return std::nullopt;
@@ -41,10 +42,8 @@ std::optional<Frame> tangent_frame(const Material& material, const graph::Site& 
     const auto& v = triangles->triangles[site.hit.primitive];
     const V3d origin(triangles->points[v[0]]);
     V3d to_b = V3d(triangles->points[v[1]]) - origin, to_c = V3d(triangles->points[v[2]]) - origin;
-    if (site.object.prototype) {
-        to_b = transform_direction(site.object.render_from_prototype, to_b);
-        to_c = transform_direction(site.object.render_from_prototype, to_c);
-    }
+    to_b = transform_direction(render_from_trace, to_b);
+    to_c = transform_direction(render_from_trace, to_c);
     // The direction of growing s, whatever the size of the area.
     const V3d& normal = point.shading_normal;
     V3d tangent = (to_b * t2 - to_c * t1) * (area > 0 ? 1.0 : -1.0);
@@ -59,9 +58,9 @@ std::optional<Frame> tangent_frame(const Material& material, const graph::Site& 
 
 }  // namespace
 
-V3d mapped_normal(const Material& material, const graph::Site& site,
+V3d mapped_normal(const Material& material, const graph::Site& site, const M44d& render_from_trace,
                   const trace::SurfacePoint& point, const V3d& tangent_space) {
-    const std::optional<Frame> frame = tangent_frame(material, site, point);
+    const std::optional<Frame> frame = tangent_frame(material, site, render_from_trace, point);
     if (!frame) return point.shading_normal;
     const V3d mapped = frame->tangent * tangent_space.x + frame->bitangent * tangent_space.y +
                        point.shading_normal * tangent_space.z;

@@ -15,6 +15,7 @@ namespace irt::shade {
 /// there is no frame (no such primvar, no area), or `tangent_space` has no direction, the shading
 /// normal stays.
 [[nodiscard]] V3d mapped_normal(const Material& material, const graph::Site& site,
-                                const trace::SurfacePoint& point, const V3d& tangent_space);
+                                const M44d& render_from_trace, const trace::SurfacePoint& point,
+                                const V3d& tangent_space);
 
 }  // namespace irt::shade

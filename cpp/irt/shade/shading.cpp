@@ -56,20 +56,21 @@ VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit
 /// Evaluates the material's graph at `point`; its shading normal is the outward one still.
 void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double travelled,
                             VisiblePoint& point) const {
-    const ObjectSlot& object = scene_.objects()[hit.object];
-    graph::Site site{object, object.part(hit.part), hit};
+    graph::Site site{scene_.surface(hit.object, hit.part), hit};
+    const M44d render_from_trace = scene_.render_from_trace(hit.object, hit.part);
     const double width = cone_.width + cone_.spread * (travelled + length(ray, hit.t));
-    set_footprint(point.direction, point.surface.geometric_normal, width, site);
+    set_footprint(point.direction, point.surface.geometric_normal, width, render_from_trace, site);
     const Material& material = scene_.materials()[point.surface.material].record;
     const SurfaceValues values = graph::evaluate(material, site);
     point.local = make_response(values, mirror_roughness_);
     if (values.normal != V3d(0, 0, 1))
-        point.surface.shading_normal = mapped_normal(material, site, point.surface, values.normal);
+        point.surface.shading_normal =
+            mapped_normal(material, site, render_from_trace, point.surface, values.normal);
 }
 
 FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) const {
     return {true, point.surface.position, V3f(point.shading), V3f(point.response().base_color),
-            scene_.objects()[object].id};
+            scene_.id(object)};
 }
 
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,

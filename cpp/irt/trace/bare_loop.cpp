@@ -122,19 +122,23 @@ struct BareLoop::Impl {
         attach(to, std::move(geometry));
     }
 
-    void add_instance(RTCScene to, const ObjectSlot& object) {
-        TreeHandle& prototype = prototypes[object.prototype.get()];
+    /// Arrays within the prototype are laid flat: Embree's instances nest but once.
+    void add_instance(RTCScene to, const CompiledPrototype& source, const M44d& render_from_it) {
+        for (const NestedArray& array : source.arrays)
+            for (std::size_t entry = 0; entry < array.record->size(); ++entry)
+                add_instance(to, array.prototype(entry),
+                             array.outer_from_prototype(entry) * render_from_it);
+        TreeHandle& prototype = prototypes[&source];
         if (!prototype) {
             prototype = new_tree();
-            for (const Surface& part : object.prototype->surfaces) add(prototype.get(), part);
+            for (const Surface& part : source.surfaces) add(prototype.get(), part);
             rtcCommitScene(prototype.get());
         }
         GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
         rtcSetGeometryInstancedScene(geometry.get(), prototype.get());
         float rows[12];
         for (int i = 0; i < 4; ++i)
-            for (int a = 0; a < 3; ++a)
-                rows[3 * i + a] = static_cast<float>(object.render_from_prototype[i][a]);
+            for (int a = 0; a < 3; ++a) rows[3 * i + a] = static_cast<float>(render_from_it[i][a]);
         rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, rows);
         attach(to, std::move(geometry));
     }
@@ -143,12 +147,12 @@ struct BareLoop::Impl {
 BareLoop::BareLoop(const Scene& scene, const std::string& isa)
     : impl_(new Impl{DeviceHandle(embree::make_device(isa, 0)), nullptr, {}}) {
     impl_->tree = impl_->new_tree();
-    for (const ObjectSlot& object : scene.objects()) {
-        if (!object.live) continue;
-        if (object.prototype)
-            impl_->add_instance(impl_->tree.get(), object);
+    for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot) {
+        if (!scene.live(slot)) continue;
+        if (const CompiledPrototype* prototype = scene.prototype(slot))
+            impl_->add_instance(impl_->tree.get(), *prototype, scene.render_from_prototype(slot));
         else
-            impl_->add(impl_->tree.get(), object.surface);
+            impl_->add(impl_->tree.get(), scene.object(slot).surface);
     }
     rtcCommitScene(impl_->tree.get());
     embree::check(impl_->device.get(), "build the bare loop's tree");

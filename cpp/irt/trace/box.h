@@ -25,6 +25,16 @@ struct Box {
     [[nodiscard]] bool empty() const { return !(lower.x <= upper.x); }
 };
 
+/// The box of `box`, which is not empty, under the affine `a_from_b`.
+inline Box transformed(const Box& box, const M44d& a_from_b) {
+    Box out;
+    for (int corner = 0; corner < 8; ++corner)
+        out.extend(transform_point(a_from_b, {(corner & 1 ? box.upper : box.lower).x,
+                                              (corner & 2 ? box.upper : box.lower).y,
+                                              (corner & 4 ? box.upper : box.lower).z}));
+    return out;
+}
+
 /// Narrows the stretch [enter, exit] of a line to where it is within `box`; false if it is nowhere.
 /// Rounds to a few ulp of the line's parameter; callers allow for it.
 inline bool clip(const Box& box, const V3d& origin, const V3d& direction, double& enter,

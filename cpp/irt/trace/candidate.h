@@ -12,17 +12,15 @@
 
 namespace irt::trace {
 
-/// Replaces `best` if `candidate` is nearer, or as near and first by (rank, part, primitive).
+/// Replaces `best` if `candidate` is nearer, or as near and first by (object, part, primitive).
 /// A query starts with best.t at its t_max, object `none`: nothing at that distance is taken.
 inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) {
     if (candidate.t > best.t) return false;
     if (candidate.t == best.t) {
         if (!best) return false;
-        const std::uint32_t rank = scene.objects()[candidate.object].rank,
-                            best_rank = scene.objects()[best.object].rank;
-        if (rank != best_rank             ? rank > best_rank
-            : candidate.part != best.part ? candidate.part > best.part
-                                          : candidate.primitive >= best.primitive)
+        if (candidate.object != best.object ? scene.before(best.object, candidate.object)
+            : candidate.part != best.part   ? candidate.part > best.part
+                                            : candidate.primitive >= best.primitive)
             return false;
     }
     best = candidate;
@@ -32,12 +30,10 @@ inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) 
 /// Adds one occluding primitive, met at `hit`; saturation keeps the sum free of order. True once
 /// nothing passes.
 inline bool add_occluder(const Scene& scene, const Hit& hit, Occlusion& sum) {
-    const ObjectSlot& object = scene.objects()[hit.object];
-    const Surface& surface = object.part(hit.part);
+    const Surface& surface = scene.surface(hit.object, hit.part);
     const MaterialSlot& material = scene.materials()[surface.material_of(hit.primitive)];
-    const OpticalDepth depth = material.tint_varies
-                                   ? graph::tint_at(material, {object, surface, hit})
-                                   : material.shadow_depth;
+    const OpticalDepth depth =
+        material.tint_varies ? graph::tint_at(material, {surface, hit}) : material.shadow_depth;
     bool opaque = true, black = true;
     for (int c = 0; c < 3; ++c) {
         opaque = opaque && depth.rgb[c] >= depth_opaque;

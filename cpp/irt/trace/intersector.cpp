@@ -19,7 +19,8 @@ struct Query {
     const Scene* scene;
     const JudgeRay* ray;  ///< in the tree's trace space
     EmbreeRay embree_ray;
-    std::uint32_t instance;  ///< object slot whose prototype this tree is, or `none`
+    std::uint32_t instance;  ///< object slot whose prototype this tree is within, or `none`
+    std::uint32_t part;      ///< what to add to part numbers of this tree
     QueryCounts* counts;
     union {
         Hit* best;
@@ -92,7 +93,7 @@ void judge_leaf(const Shape& shape, std::size_t leaf, Query& query, Found&& foun
         hit.u = triangle.u;
         hit.v = triangle.v;
         hit.object = query.instance == none ? shape.object : query.instance;
-        hit.part = shape.part;
+        hit.part = query.part + shape.part;
         hit.primitive = packet.triangle(side, lane);
         if (found(hit)) return;
     }
@@ -126,7 +127,7 @@ bool judge_shape(const Shape& shape, std::uint32_t primitive, Query& query, Hit&
     query.counts->candidates += 1;
     if (!judge_solid(shape.surface, primitive, *query.ray, hit)) return false;
     hit.object = query.instance == none ? shape.object : query.instance;
-    hit.part = shape.part;
+    hit.part = query.part + shape.part;
     return true;
 }
 
@@ -150,43 +151,91 @@ void occlude_solid(const RTCOccludedFunctionNArguments* arguments) {
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
+/// An instance on a ray's way.
+struct Entered {
+    const Group* group;
+    M44d prototype_from_trace;
+    std::uint32_t slot, part;  ///< of the object; what its hits' part numbers begin with
+};
+
 /// The same ray in the prototype's space, ready to search its tree. False if it misses the box.
-bool enter_instance(const Shape& shape, const Query& outer, double t_limit, JudgeRay& local,
+bool enter_instance(const Entered& instance, const Query& outer, double t_limit, JudgeRay& local,
                     Query& inner) {
-    transform_ray(shape.prototype_from_trace, *outer.ray, local);
-    if (!anchor(shape.group->frame, local, t_limit, inner.embree_ray)) return false;
+    transform_ray(instance.prototype_from_trace, *outer.ray, local);
+    if (!anchor(instance.group->frame, local, t_limit, inner.embree_ray)) return false;
     embree::init(inner.context);
     inner.scene = outer.scene;
     inner.ray = &local;
-    inner.instance = shape.object;
+    inner.instance = instance.slot;
+    inner.part = instance.part;
     inner.counts = outer.counts;
     return true;
 }
 
-void intersect_instance(const RTCIntersectFunctionNArguments* arguments) {
-    const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
-    Query& outer = query_of(arguments->context);
+void intersect_group(const Entered& instance, Query& outer, float& t_far) {
     JudgeRay local;
     Query inner;
-    if (!enter_instance(shape, outer, outer.reach(), local, inner)) return;
+    if (!enter_instance(instance, outer, outer.reach(), local, inner)) return;
     inner.best = outer.best;
     inner.behind = outer.behind;
-    search(shape.group->tree.get(), inner);
-    reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray.tfar =
-        outer.embree_ray.limit(outer.reach());
+    search(instance.group->tree.get(), inner);
+    t_far = outer.embree_ray.limit(outer.reach());
 }
 
-void occlude_instance(const RTCOccludedFunctionNArguments* arguments) {
-    const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
-    Query& outer = query_of(arguments->context);
+void occlude_group(const Entered& instance, Query& outer, float& t_far) {
     JudgeRay local;
     Query inner;
-    if (!enter_instance(shape, outer, outer.ray->t_max, local, inner)) return;
+    if (!enter_instance(instance, outer, outer.ray->t_max, local, inner)) return;
     inner.sum = outer.sum;
-    if (search_any(shape.group->tree.get(), inner, outer.ray->t_max))
-        reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
+    if (search_any(instance.group->tree.get(), inner, outer.ray->t_max))
+        t_far = -std::numeric_limits<float>::infinity();
+}
+
+/// What one of Embree's primitives that is an instance leads to. False: nothing is there.
+bool find_instance(const Shape& shape, const Query&, std::uint32_t, Entered& entered) {
+    entered.group = shape.group.get();
+    entered.prototype_from_trace = shape.prototype_from_trace;
+    entered.slot = shape.object;
+    entered.part = 0;
+    return shape.active;
+}
+
+bool find_entry(const Shape& shape, const Query& query, std::uint32_t primitive, Entered& entered) {
+    const std::uint32_t slot = shape.slots[primitive];
+    if (shape.moved && (*shape.moved)[slot]) return false;
+    entered.group = &shape.group_of_slot(slot);
+    entered.prototype_from_trace = query.scene->prototype_from_render(slot);
+    entered.slot = slot;
+    entered.part = 0;
+    return true;
+}
+
+bool find_nested(const Shape& shape, const Query& query, std::uint32_t primitive,
+                 Entered& entered) {
+    const NestedArray& array = *shape.nested;
+    entered.group = shape.nested_groups[array.record->prototype(primitive)].get();
+    entered.prototype_from_trace = inverse_of(array.outer_from_prototype(primitive));
+    entered.slot = query.instance;
+    entered.part = query.part + array.first_part + primitive * array.stride;
+    return entered.group->tree != nullptr;
+}
+
+template <auto find>
+void intersect_instance(const RTCIntersectFunctionNArguments* arguments) {
+    const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
+    Query& outer = query_of(arguments->context);
+    Entered entered;
+    if (find(shape, outer, arguments->primID, entered))
+        intersect_group(entered, outer, reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray.tfar);
+}
+
+template <auto find>
+void occlude_instance(const RTCOccludedFunctionNArguments* arguments) {
+    const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
+    Query& outer = query_of(arguments->context);
+    Entered entered;
+    if (find(shape, outer, arguments->primID, entered))
+        occlude_group(entered, outer, reinterpret_cast<RTCRay*>(arguments->ray)->tfar);
 }
 
 /// Range of largest direction components that need no scaling: far from where Embree drops signs.
@@ -210,9 +259,12 @@ bool aim(const Frame& frame, const Ray& ray, const JudgeRay& judged, EmbreeRay& 
 }  // namespace
 
 const Callbacks& callbacks() {
-    static constexpr Callbacks all{{intersect_packet, occlude_packet},
-                                   {intersect_solid, occlude_solid},
-                                   {intersect_instance, occlude_instance}};
+    static constexpr Callbacks all{
+        {intersect_packet, occlude_packet},
+        {intersect_solid, occlude_solid},
+        {intersect_instance<find_instance>, occlude_instance<find_instance>},
+        {intersect_instance<find_entry>, occlude_instance<find_entry>},
+        {intersect_instance<find_nested>, occlude_instance<find_nested>}};
     return all;
 }
 
@@ -245,6 +297,7 @@ void Intersector::search_nearest(const Ray& ray, unsigned which, Hit& best, Hit*
     query.scene = trees.scene();
     query.ray = &judged;
     query.instance = none;
+    query.part = 0;
     query.counts = &counts;
     query.best = &best;
     query.behind = behind;
@@ -284,6 +337,10 @@ std::uint32_t Intersector::epoch() const { return impl_->trees.epoch(); }
 
 Box Intersector::box(std::uint32_t slot) const { return impl_->trees.box(slot); }
 
+Box Intersector::box(const CompiledPrototype& prototype, const M44d& render_from_prototype) const {
+    return impl_->trees.box(prototype, render_from_prototype);
+}
+
 double Intersector::pad() const { return impl_->trees.frame().pad(); }
 
 Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts) const {
@@ -297,6 +354,7 @@ Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts&
     query.scene = trees.scene();
     query.ray = &judged;
     query.instance = none;
+    query.part = 0;
     query.counts = &counts;
     query.sum = &sum;
     if ((which & still_tree) && trees.still() && search_any(trees.still(), query, judged.t_max))

@@ -62,6 +62,9 @@ class Intersector {
     /// The object's bounding box in render space, padded as Embree is handed it; empty where there
     /// is nothing to hit.
     [[nodiscard]] Box box(std::uint32_t slot) const;
+    /// Likewise, of an instance that the scene has or had when it was last committed.
+    [[nodiscard]] Box box(const CompiledPrototype& prototype,
+                          const M44d& render_from_prototype) const;
     /// What boxes are padded by, render-space units: a bound, twice over, on how far rays that are
     /// rounded otherwise lie apart within the scene (frame.h).
     [[nodiscard]] double pad() const;

@@ -61,12 +61,20 @@ struct HitName {
 inline Hit named_hit(const Scene& scene, const Ray& ray, const HitName& name) {
     Hit hit;
     if (name.object == none) return hit;
-    const ObjectSlot& object = scene.objects()[name.object];
     JudgeRay judged = judge_ray(ray);
-    if (object.prototype) transform_ray(object.prototype_from_render, JudgeRay(judged), judged);
     hit.object = name.object;
     hit.part = name.part;
-    judge_primitive(object.part(name.part), name.primitive, judged, hit);
+    const CompiledPrototype* prototype = scene.prototype(name.object);
+    if (!prototype) {
+        judge_primitive(scene.object(name.object).surface, name.primitive, judged, hit);
+        return hit;
+    }
+    transform_ray(scene.prototype_from_render(name.object), JudgeRay(judged), judged);
+    const Surface& surface =
+        prototype->part(name.part, [&](const NestedArray& array, std::uint32_t entry) {
+            transform_ray(inverse_of(array.outer_from_prototype(entry)), JudgeRay(judged), judged);
+        });
+    judge_primitive(surface, name.primitive, judged, hit);
     return hit;
 }
 

@@ -125,28 +125,52 @@ void on_solid(const Surface& surface, const Hit& hit, const V3d& o, const V3d& d
     local.geometric = transform_normal(surface.shape_from_trace, on.normal);
 }
 
+void on_surface(const Surface& surface, const Hit& hit, const V3d& o, const V3d& d, Local& local) {
+    if (surface.triangles)
+        on_triangle(surface, hit, local);
+    else
+        on_solid(surface, hit, o, d, local);
+}
+
+/// Brings `local` from an instance's space to the one it is in.
+void leave_instance(const M44d& outer_from_inner, const M44d& inner_from_outer, Local& local) {
+    local.point = transformed(outer_from_inner, inner_from_outer, local.point);
+    local.geometric = transform_normal(inner_from_outer, local.geometric);
+    local.shading = transform_normal(inner_from_outer, local.shading);
+}
+
+/// On part `number` of a prototype, in its space, and so are `o` and `d`.
+const Surface& on_part(const CompiledPrototype& prototype, std::uint32_t number, const Hit& hit,
+                       const V3d& o, const V3d& d, Local& local) {
+    if (number < prototype.surfaces.size()) {
+        on_surface(prototype.surfaces[number], hit, o, d, local);
+        return prototype.surfaces[number];
+    }
+    const auto [array, entry, inner] = prototype.locate(number);
+    const M44d outer_from_inner = array->outer_from_prototype(entry);
+    const M44d inner_from_outer = inverse_of(outer_from_inner);
+    const Surface& surface =
+        on_part(array->prototype(entry), inner, hit, transform_point(inner_from_outer, o),
+                transform_direction(inner_from_outer, d), local);
+    leave_instance(outer_from_inner, inner_from_outer, local);
+    return surface;
+}
+
 }  // namespace
 
 SurfacePoint surface_point(const Scene& scene, const Ray& ray, const Hit& hit) {
-    const ObjectSlot& object = scene.objects()[hit.object];
-    const Surface& surface = object.part(hit.part);
+    const V3d o(ray.origin), d(ray.direction);
     Local local;
-    if (surface.triangles) {
-        on_triangle(surface, hit, local);
+    const Surface* seen = &scene.object(hit.object).surface;
+    if (const CompiledPrototype* prototype = scene.prototype(hit.object)) {
+        const M44d prototype_from_render = scene.prototype_from_render(hit.object);
+        seen = &on_part(*prototype, hit.part, hit, transform_point(prototype_from_render, o),
+                        transform_direction(prototype_from_render, d), local);
+        leave_instance(scene.render_from_prototype(hit.object), prototype_from_render, local);
     } else {
-        V3d o(ray.origin), d(ray.direction);
-        if (object.prototype) {
-            o = transform_point(object.prototype_from_render, o);
-            d = transform_direction(object.prototype_from_render, d);
-        }
-        on_solid(surface, hit, o, d, local);
+        on_surface(*seen, hit, o, d, local);
     }
-    if (object.prototype) {
-        local.point =
-            transformed(object.render_from_prototype, object.prototype_from_render, local.point);
-        local.geometric = transform_normal(object.prototype_from_render, local.geometric);
-        local.shading = transform_normal(object.prototype_from_render, local.shading);
-    }
+    const Surface& surface = *seen;
     SurfacePoint point;
     point.position = local.point.position;
     point.error = local.point.error;

@@ -28,10 +28,8 @@ float up(double x) {
 
 void bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    const Box box = shape.triangles ? bounds(shape.packets[arguments->primID])
-                    : shape.group   ? shape.box
-                                    : primitive_box(shape.surface, arguments->primID);
     const Frame& frame = *shape.frame;
+    const Box box = shape.box_of(arguments->primID);
     const double pad = frame.pad();
     RTCBounds& out = *arguments->bounds_o;
     if (box.empty()) {  // what Embree leaves out
@@ -45,16 +43,6 @@ void bounds_callback(const RTCBoundsFunctionArguments* arguments) {
     out.upper_x = up(box.upper.x - frame.centre.x + pad);
     out.upper_y = up(box.upper.y - frame.centre.y + pad);
     out.upper_z = up(box.upper.z - frame.centre.z + pad);
-}
-
-/// The box of `box` under the affine `a_from_b`.
-Box transformed(const Box& box, const M44d& a_from_b) {
-    Box out;
-    for (int corner = 0; corner < 8; ++corner)
-        out.extend(transform_point(a_from_b, {(corner & 1 ? box.upper : box.lower).x,
-                                              (corner & 2 ? box.upper : box.lower).y,
-                                              (corner & 4 ? box.upper : box.lower).z}));
-    return out;
 }
 
 double reach(const Box& box, const V3d& centre) {
@@ -74,6 +62,20 @@ Box padded(Box box, double pad) {
 }
 
 }  // namespace
+
+Box Shape::box_of(std::uint32_t primitive) const {
+    if (triangles) return bounds(packets[primitive]);
+    if (nested) {
+        const Group& within = *nested_groups[nested->record->prototype(primitive)];
+        return within.tree ? transformed(within.frame.box, nested->outer_from_prototype(primitive))
+                           : Box();
+    }
+    if (group) return box;
+    if (!scene) return primitive_box(surface, primitive);
+    const std::uint32_t slot = slots[primitive];
+    const Group& within = group_of_slot(slot);
+    return within.tree ? transformed(within.frame.box, scene->render_from_prototype(slot)) : Box();
+}
 
 namespace embree {
 
@@ -144,6 +146,8 @@ void Trees::attach_geometry(Shape& shape, const Frame& frame) {
     if (shape.box.empty() || shape.weight() == 0) return;
     const Callbacks& all = callbacks();
     const Callbacks::Pair& pair = shape.group       ? all.instance
+                                  : shape.nested    ? all.nested
+                                  : shape.scene     ? all.entries
                                   : shape.triangles ? all.packet
                                                     : all.solid;
     shape.geometry.reset(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER));
@@ -183,6 +187,10 @@ std::shared_ptr<const Group> Trees::group_of(const std::shared_ptr<const Compile
         group->shapes.back()->part = part;
         if (!group->shapes.back()->box.empty()) group->frame.box.extend(group->shapes.back()->box);
     }
+    for (const NestedArray& array : key->arrays) {
+        group->shapes.push_back(make_nested(array));
+        if (!group->shapes.back()->box.empty()) group->frame.box.extend(group->shapes.back()->box);
+    }
     Frame& frame = group->frame;
     if (!frame.box.empty()) {
         frame.centre = frame.box.lower * 0.5 + frame.box.upper * 0.5;
@@ -198,9 +206,18 @@ std::shared_ptr<const Group> Trees::group_of(const std::shared_ptr<const Compile
     return group;
 }
 
-std::unique_ptr<Shape> Trees::make_object(const Scene& scene, std::uint32_t slot,
-                                          const Shape* previous) {
-    const ObjectSlot& object = scene.objects()[slot];
+std::unique_ptr<Shape> Trees::make_nested(const NestedArray& array) {
+    auto shape = std::make_unique<Shape>();
+    shape->part = array.first_part;
+    shape->nested = &array;
+    for (const auto& prototype : array.prototypes)
+        shape->nested_groups.push_back(group_of(prototype));
+    for (std::uint32_t entry = 0; entry < array.record->size(); ++entry)
+        if (const Box box = shape->box_of(entry); !box.empty()) shape->box.extend(box);
+    return shape;
+}
+
+std::unique_ptr<Shape> Trees::make_object(const ObjectSlot& object, const Shape* previous) {
     std::unique_ptr<Shape> shape;
     if (object.prototype) {
         shape = std::make_unique<Shape>();
@@ -211,15 +228,29 @@ std::unique_ptr<Shape> Trees::make_object(const Scene& scene, std::uint32_t slot
     } else {
         shape = make_shape(object.surface, previous);
     }
-    shape->object = slot;
+    shape->object = object.slot;
+    return shape;
+}
+
+/// Of `slots` those where there is something to hit.
+std::unique_ptr<Shape> Trees::make_entries(const Entries& entries,
+                                           std::vector<std::uint32_t> slots) {
+    auto shape = std::make_unique<Shape>();
+    shape->scene = scene_;
+    shape->groups = &entries.groups;
+    std::erase_if(slots, [&](std::uint32_t slot) { return !shape->group_of_slot(slot).tree; });
+    shape->slots = std::move(slots);
+    for (std::uint32_t i = 0; i < shape->slots.size(); ++i) shape->box.extend(shape->box_of(i));
     return shape;
 }
 
 /// Grows the frame to hold every object; true if it had to change, and with it every pad.
 bool Trees::fit_frame() {
     Box box;
-    for (const Object& object : objects_)
+    for (const Object& object : objects_) {
         if (object.shape && !object.shape->box.empty()) box.extend(object.shape->box);
+        if (object.entries && !object.entries->box.empty()) box.extend(object.entries->box);
+    }
     if (box.empty()) return false;
     const double most = reach(box, frame_.centre);
     const bool fits = most <= frame_.half && frame_.half <= most * 4;
@@ -229,67 +260,157 @@ bool Trees::fit_frame() {
 }
 
 Box Trees::box(std::uint32_t slot) const {
-    if (slot >= objects_.size() || !objects_[slot].shape || objects_[slot].shape->box.empty())
-        return {};
-    return padded(objects_[slot].shape->box, frame_.pad());
+    if (slot >= moves_.size()) return {};
+    const std::uint32_t index = scene_->object_index(slot);
+    if (scene_->all_objects()[index].array)
+        return scene_->live(slot)
+                   ? box(*scene_->prototype(slot), scene_->render_from_prototype(slot))
+                   : Box();
+    const Object& object = objects_[index];
+    if (!object.shape || object.shape->box.empty()) return {};
+    return padded(object.shape->box, frame_.pad());
+}
+
+Box Trees::box(const CompiledPrototype& prototype, const M44d& render_from_prototype) const {
+    const auto found = groups_.find(&prototype);
+    const auto group = found == groups_.end() ? nullptr : found->second.lock();
+    if (!group || !group->tree) return {};
+    return padded(transformed(group->frame.box, render_from_prototype), frame_.pad());
+}
+
+/// Takes up an object that changed and is no array.
+void Trees::take_object(std::uint32_t slot) {
+    const ObjectSlot& record = scene_->object(slot);
+    Object& object = objects_[scene_->object_index(slot)];
+    std::unique_ptr<Shape> previous = std::move(object.shape);
+    if (record.live) object.shape = make_object(record, previous.get());
+    if (previous && !moves_[slot]) {
+        previous->active = false;
+        retired_.push_back(std::move(previous));
+    }
+    moves_[slot] = true;
+    if (object.shape) attach_geometry(*object.shape, frame_);
+}
+
+/// Takes up an array, of which the entries `changed` did.
+void Trees::take_entries(std::uint32_t index, const std::vector<std::uint32_t>& changed,
+                         const std::vector<bool>& hot) {
+    const ObjectSlot& array = scene_->all_objects()[index];
+    if (!objects_[index].entries) objects_[index].entries = std::make_unique<Entries>();
+    Entries& entries = *objects_[index].entries;
+    Groups groups;
+    for (const auto& prototype : array.prototypes) groups.push_back(group_of(prototype));
+    entries.groups = std::move(groups);
+    std::erase_if(entries.movers, [&](std::uint32_t slot) { return hot[slot]; });
+    for (const std::uint32_t slot : changed) {
+        if (!moves_[slot] && slot < still_slots_) ++entries.retired;
+        moves_[slot] = true;
+        if (scene_->live(slot)) entries.movers.push_back(slot);
+    }
+    entries.moving = make_entries(entries, entries.movers);
+    if (!entries.moving->box.empty()) entries.box.extend(entries.moving->box);
+}
+
+/// Whether what the still tree holds in vain, and what the moving tree holds though it has stood
+/// since the last commit, have come to too large a share. `hot`: by slot, what has not.
+bool Trees::fold_is_due(const std::vector<bool>& hot) const {
+    std::size_t still = 0, in_vain = 0;
+    for (const auto& shape : retired_) in_vain += shape->weight();
+    for (const Object& object : objects_) {
+        if (const Shape* shape = object.shape.get()) {
+            if (!moves_[shape->object])
+                still += shape->weight();
+            else if (!hot[shape->object] && !split_off(shape->object))
+                in_vain += shape->weight();
+        }
+        if (!object.entries) continue;
+        const std::size_t built = object.entries->still ? object.entries->still->slots.size() : 0;
+        const std::size_t retired = std::min(built, object.entries->retired);
+        still += built - retired;
+        in_vain += retired;
+        for (const std::uint32_t slot : object.entries->movers)
+            in_vain += hot[slot] || split_off(slot) ? 0 : 1;
+    }
+    return static_cast<double>(in_vain) > fold_share * static_cast<double>(still + in_vain);
+}
+
+/// Builds the still tree of all but `hot`, which goes to the moving one.
+void Trees::build_still(const std::vector<bool>& hot) {
+    still_.reset();
+    retired_.clear();
+    const auto moves = [&](std::uint32_t slot) { return split_off(slot) || hot[slot]; };
+    std::vector<const Shape*> shapes;
+    for (std::uint32_t index = 0; index < objects_.size(); ++index) {
+        Object& object = objects_[index];
+        const ObjectSlot& record = scene_->all_objects()[index];
+        if (!record.array) moves_[record.slot] = moves(record.slot);
+        if (object.shape && !moves_[record.slot]) shapes.push_back(object.shape.get());
+        if (!object.entries) continue;
+        Entries& entries = *object.entries;
+        std::vector<std::uint32_t> staying;
+        entries.movers.clear();
+        for (const std::uint32_t slot : scene_->entry_slots(record)) {
+            moves_[slot] = moves(slot);
+            (moves_[slot] ? entries.movers : staying).push_back(slot);
+        }
+        entries.still = make_entries(entries, std::move(staying));
+        entries.still->moved = &moves_;
+        entries.retired = 0;
+        attach_geometry(*entries.still, frame_);
+        shapes.push_back(entries.still.get());
+        entries.moving = make_entries(entries, entries.movers);
+        entries.box = entries.still->box;
+        if (!entries.moving->box.empty()) entries.box.extend(entries.moving->box);
+    }
+    still_ = build(shapes);
+    still_slots_ = moves_.size();
+    ++epoch_;
+}
+
+void Trees::build_moving() {
+    std::vector<const Shape*> shapes;
+    for (const Object& object : objects_) {
+        if (object.shape && moves_[object.shape->object]) shapes.push_back(object.shape.get());
+        if (!object.entries || object.entries->movers.empty()) continue;
+        Shape& moving = *object.entries->moving;
+        if (!moving.geometry) attach_geometry(moving, frame_);
+        shapes.push_back(&moving);
+    }
+    moving_ = build(shapes);
 }
 
 /// Lets go of the meshes that `rebound` objects, met as before, no longer shade by.
 void Trees::release_meshes(const std::vector<std::uint32_t>& rebound) {
     for (const std::uint32_t slot : rebound)
-        if (Shape* shape = objects_[slot].shape.get(); shape && shape->triangles)
-            shape->triangles = scene_->objects()[slot].surface.triangles;
+        if (Shape* shape = objects_[scene_->object_index(slot)].shape.get();
+            shape && shape->triangles)
+            shape->triangles = scene_->object(slot).surface.triangles;
 }
 
 void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed) {
     const bool first = scene_ == nullptr;
     scene_ = &scene;
     moving_.reset();  // first: it refers to shapes that go
-    objects_.resize(scene.objects().size());
-    std::vector<bool> hot(objects_.size(), false);
+    objects_.resize(scene.all_objects().size());
+    moves_.resize(scene.slot_count());
+    std::vector<bool> hot(moves_.size(), false);
+    std::map<std::uint32_t, std::vector<std::uint32_t>> arrays;
     for (const std::uint32_t slot : changed) {
         if (hot[slot]) continue;
         hot[slot] = true;
-        Object& object = objects_[slot];
-        std::unique_ptr<Shape> previous = std::move(object.shape);
-        if (scene.objects()[slot].live) object.shape = make_object(scene, slot, previous.get());
-        if (previous && !object.moves) {
-            previous->active = false;
-            retired_.push_back(std::move(previous));
-        }
-        object.moves = true;
-        if (object.shape) attach_geometry(*object.shape, frame_);
+        if (scene.object(slot).array)
+            arrays[scene.object_index(slot)].push_back(slot);
+        else
+            take_object(slot);
     }
+    for (const auto& [index, slots] : arrays) take_entries(index, slots, hot);
     std::erase_if(groups_, [](const auto& entry) { return entry.second.expired(); });
-
-    std::size_t still = 0, in_vain = 0;
-    for (const auto& shape : retired_) in_vain += shape->weight();
-    for (std::uint32_t slot = 0; slot < objects_.size(); ++slot) {
-        const Object& object = objects_[slot];
-        if (!object.shape) continue;
-        if (!object.moves)
-            still += object.shape->weight();
-        else if (!hot[slot] && !split_off(slot))
-            in_vain += object.shape->weight();
-    }
     const bool refit = fit_frame();
-    if (first || refit ||
-        static_cast<double>(in_vain) > fold_share * static_cast<double>(still + in_vain)) {
-        still_.reset();
-        retired_.clear();
-        std::vector<const Shape*> shapes;
-        for (std::uint32_t slot = 0; slot < objects_.size(); ++slot) {
-            Object& object = objects_[slot];
-            object.moves = split_off(slot) || (!first && hot[slot]);
-            if (object.shape && !object.moves) shapes.push_back(object.shape.get());
-        }
-        still_ = build(shapes);
-        ++epoch_;
-    }
-    std::vector<const Shape*> shapes;
-    for (const Object& object : objects_)
-        if (object.shape && object.moves) shapes.push_back(object.shape.get());
-    moving_ = build(shapes);
+    if (first)
+        build_still(std::vector<bool>(hot.size(), false));
+    else if (refit || fold_is_due(hot))
+        build_still(hot);
+    build_moving();
 }
 
 }  // namespace irt::trace

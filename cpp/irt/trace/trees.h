@@ -29,17 +29,20 @@ struct Callbacks {
         RTCIntersectFunctionN intersect;
         RTCOccludedFunctionN occluded;
     };
-    Pair packet, solid, instance;
+    Pair packet, solid, instance, entries, nested;
 };
 const Callbacks& callbacks();
 
 struct Group;
 
+/// Groups by prototype of an array.
+using Groups = std::vector<std::shared_ptr<const Group>>;
+
 /// What the callbacks read of one geometry of a tree: the packets of a mesh; a quadric, or many
-/// balls or segments; or an instance of a group.
+/// balls or segments; an instance of a group, or many.
 struct Shape {
     const Frame* frame = nullptr;  ///< of the tree it is in
-    std::uint32_t object = none;   ///< slot; `none` within a group
+    std::uint32_t object = none;   ///< slot; `none` within a group, and of an array
     std::uint32_t part = 0;
     bool active = true;  ///< false: the object has changed since; this shape only awaits a rebuild
     bool single_sided = false;  ///< meshes
@@ -50,15 +53,34 @@ struct Shape {
     std::vector<Pair> order;
     PacketArray packets;
 
-    std::shared_ptr<const Group> group;  ///< instances
+    std::shared_ptr<const Group> group;  ///< an instance
     M44d prototype_from_trace;
+
+    // Entries of an array of the scene, which is asked for where they are:
+    const Scene* scene = nullptr;
+    const Groups* groups = nullptr;            ///< of the array as it is now
+    std::vector<std::uint32_t> slots;          ///< by primitive
+    const std::vector<bool>* moved = nullptr;  ///< by slot: those that left; null: none can
+
+    // An array within a group:
+    const NestedArray* nested = nullptr;
+    Groups nested_groups;
 
     Box box;                  ///< trace space, before padding
     GeometryHandle geometry;  ///< null where there is nothing to hit
     /// Primitives that Embree is told of.
     [[nodiscard]] std::size_t weight() const {
-        return triangles ? packets.size() : primitive_count(surface);
+        return triangles ? packets.size()
+               : nested  ? nested->record->size()
+               : scene   ? slots.size()
+               : group   ? 1
+                         : primitive_count(surface);
     }
+    [[nodiscard]] const Group& group_of_slot(std::uint32_t slot) const {
+        return *(*groups)[scene->object(slot).array->prototype(scene->entry(slot))];
+    }
+    /// The box of one of Embree's primitives, trace space, before padding; may be empty.
+    [[nodiscard]] Box box_of(std::uint32_t primitive) const;
 };
 
 /// A prototype's own tree.
@@ -80,22 +102,42 @@ class Trees {
     [[nodiscard]] const Frame& frame() const { return frame_; }
     [[nodiscard]] RTCScene still() const { return still_.get(); }    ///< null: empty
     [[nodiscard]] RTCScene moving() const { return moving_.get(); }  ///< null: empty
-    [[nodiscard]] bool moves(std::uint32_t slot) const { return objects_[slot].moves; }
+    [[nodiscard]] bool moves(std::uint32_t slot) const { return moves_[slot]; }
     [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
     [[nodiscard]] Box box(std::uint32_t slot) const;
+    [[nodiscard]] Box box(const CompiledPrototype& prototype,
+                          const M44d& render_from_prototype) const;
 
   private:
+    /// An array: one geometry of the still tree for all entries that stay, and one of the moving
+    /// tree for the others.
+    struct Entries {
+        Groups groups;
+        std::unique_ptr<Shape> still;       ///< those there were when the still tree was built
+        std::size_t retired = 0;            ///< of `still`: have changed since
+        std::vector<std::uint32_t> movers;  ///< slots of those that have changed since, and live
+        std::unique_ptr<Shape> moving;      ///< the movers
+        Box box;                            ///< of all there were since then
+    };
+    /// What the trees hold of an object of the scene.
     struct Object {
-        std::unique_ptr<Shape> shape;
-        bool moves = false;  ///< in the moving tree
+        std::unique_ptr<Shape> shape;      ///< null: nothing to trace, or an array
+        std::unique_ptr<Entries> entries;  ///< null: no array
     };
 
     std::unique_ptr<Shape> make_shape(const Surface& surface, const Shape* previous);
-    std::unique_ptr<Shape> make_object(const Scene& scene, std::uint32_t slot,
-                                       const Shape* previous);
+    std::unique_ptr<Shape> make_object(const ObjectSlot& object, const Shape* previous);
+    std::unique_ptr<Shape> make_nested(const NestedArray& array);
+    std::unique_ptr<Shape> make_entries(const Entries& entries, std::vector<std::uint32_t> slots);
     std::shared_ptr<const Group> group_of(const std::shared_ptr<const CompiledPrototype>& key);
     void attach_geometry(Shape& shape, const Frame& frame);
     TreeHandle build(const std::vector<const Shape*>& shapes);
+    void take_object(std::uint32_t slot);
+    void take_entries(std::uint32_t index, const std::vector<std::uint32_t>& changed,
+                      const std::vector<bool>& hot);
+    [[nodiscard]] bool fold_is_due(const std::vector<bool>& hot) const;
+    void build_still(const std::vector<bool>& hot);
+    void build_moving();
     bool fit_frame();
     [[nodiscard]] bool split_off(std::uint32_t slot) const;
 
@@ -103,7 +145,9 @@ class Trees {
     TreeOptions options_;
     const Scene* scene_ = nullptr;
     Frame frame_;
-    std::vector<Object> objects_;                  ///< by slot
+    std::vector<Object> objects_;                  ///< by index in the scene
+    std::vector<bool> moves_;                      ///< by slot: in the moving tree
+    std::size_t still_slots_ = 0;                  ///< slots when the still tree was built
     std::vector<std::unique_ptr<Shape>> retired_;  ///< inactive shapes the still tree refers to
     std::map<const CompiledPrototype*, std::weak_ptr<const Group>> groups_;
     TreeHandle still_, moving_;

@@ -196,8 +196,8 @@ void CellUpdate::fetch_point(PointIndex point) const {
 }
 
 std::uint32_t CellUpdate::material_of(const trace::HitName& visible) const {
-    const ObjectSlot& object = shading_.scene().objects()[visible.object];
-    return object.part(visible.part).material_of(visible.primitive);
+    const Surface& surface = shading_.scene().surface(visible.object, visible.part);
+    return surface.material_of(visible.primitive);
 }
 
 // ---- tests of what is flagged (sections 2.4, 4.1)
@@ -450,7 +450,7 @@ void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t 
 trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
     const Node& node = trees_.nodes[index];
     const trace::HitName& name = node.visible;
-    const Surface& surface = shading_.scene().objects()[name.object].part(name.part);
+    const Surface& surface = shading_.scene().surface(name.object, name.part);
     if (surface.triangles || surface.curves)
         return trace::named_hit(shading_.scene(), trees_.ray(index), name);
     trace::Hit hit;

@@ -185,8 +185,8 @@ M44d box_about(const Ball& a, const Ball& b) {
 
 /// Adds what `surface` meets to `voxels`, and its bounds in voxels to `bounds`. `render_from_trace`
 /// is null where trace space is render space.
-void add_surface(const Surface& surface, const M44d* render_from_trace, const VoxelGrid& grid,
-                 VoxelSet& voxels, trace::Box& bounds) {
+void add_placed(const Surface& surface, const M44d* render_from_trace, const VoxelGrid& grid,
+                VoxelSet& voxels, trace::Box& bounds) {
     const auto in_voxels = [&](const V3d& p) {
         return grid.in_voxels(render_from_trace ? transform_point(*render_from_trace, p) : p);
     };
@@ -235,6 +235,19 @@ void add_surface(const Surface& surface, const M44d* render_from_trace, const Vo
     }
 }
 
+/// Voxels that a box may meet to stand for what is in it: so few that triangles would hardly spare
+/// one.
+constexpr double few_voxels = 8;
+
+/// Whether `box` (render space) meets few voxels.
+bool within_few(const trace::Box& box, const VoxelGrid& grid) {
+    const V3d lower = grid.in_voxels(box.lower), upper = grid.in_voxels(box.upper);
+    double count = 1;
+    for (int a = 0; a < 3; ++a)
+        count *= std::floor(upper[a] + dilation) - std::floor(lower[a] - dilation) + 1;
+    return count <= few_voxels;
+}
+
 }  // namespace
 
 void add_box(const trace::Box& box, const VoxelGrid& grid, VoxelSet& voxels) {
@@ -246,23 +259,73 @@ void add_box(const trace::Box& box, const VoxelGrid& grid, VoxelSet& voxels) {
             for (std::int32_t i = x.first; i <= x.last; ++i) voxels.add({i, j, k});
 }
 
-void add_object(const ObjectSlot& object, const VoxelGrid& grid, VoxelSet& voxels,
+void add_surface(const Surface& surface, const VoxelGrid& grid, VoxelSet& voxels,
+                 trace::Box& bounds) {
+    add_placed(surface, nullptr, grid, voxels, bounds);
+}
+
+void add_instance(const CompiledPrototype& prototype, const M44d& render_from_prototype,
+                  const VoxelGrid& grid, VoxelSet& voxels, trace::Box& bounds) {
+    if (prototype.box.empty()) return;
+    const trace::Box box = trace::transformed(prototype.box, render_from_prototype);
+    if (within_few(box, grid)) {
+        add_box(box, grid, voxels);
+        bounds.extend(grid.in_voxels(box.lower));
+        bounds.extend(grid.in_voxels(box.upper));
+        return;
+    }
+    for (const Surface& part : prototype.surfaces)
+        add_placed(part, &render_from_prototype, grid, voxels, bounds);
+    for (const NestedArray& array : prototype.arrays)
+        for (std::size_t entry = 0; entry < array.record->size(); ++entry)
+            add_instance(array.prototype(entry),
+                         array.outer_from_prototype(entry) * render_from_prototype, grid, voxels,
+                         bounds);
+}
+
+void add_object(const Scene& scene, std::uint32_t slot, const VoxelGrid& grid, VoxelSet& voxels,
                 trace::Box& bounds) {
-    if (!object.prototype) return add_surface(object.surface, nullptr, grid, voxels, bounds);
-    for (const Surface& part : object.prototype->surfaces)
-        add_surface(part, &object.render_from_prototype, grid, voxels, bounds);
+    if (const CompiledPrototype* prototype = scene.prototype(slot))
+        add_instance(*prototype, scene.render_from_prototype(slot), grid, voxels, bounds);
+    else
+        add_surface(scene.object(slot).surface, grid, voxels, bounds);
 }
 
 Footprints::Footprints(const VoxelGrid& grid, std::size_t objects)
     : grid_(grid), apart_(objects <= few) {}
 
-void Footprints::add(const ObjectSlot& object) {
-    if (!object.live) return;
-    if (!apart_) return add_object(object, grid_, together_, bounds_);
+template <class Add>
+void Footprints::add_one(Add&& add) {
+    if (!apart_) return add(together_, bounds_);
     VoxelSet voxels;
     trace::Box bounds;
-    add_object(object, grid_, voxels, bounds);
+    add(voxels, bounds);
     regions_.add(voxels, bounds);
+}
+
+void Footprints::add(const Scene& scene, std::uint32_t slot) {
+    if (!scene.live(slot)) return;
+    add_one([&](VoxelSet& voxels, trace::Box& bounds) {
+        add_object(scene, slot, grid_, voxels, bounds);
+    });
+}
+
+void Footprints::add(const ObjectSlot& previous) {
+    add_one([&](VoxelSet& voxels, trace::Box& bounds) {
+        if (previous.prototype)
+            add_instance(*previous.prototype, previous.render_from_prototype, grid_, voxels,
+                         bounds);
+        else
+            add_surface(previous.surface, grid_, voxels, bounds);
+    });
+}
+
+void Footprints::add(const FormerEntries& former) {
+    for (const std::uint32_t entry : former.entries)
+        add_one([&](VoxelSet& voxels, trace::Box& bounds) {
+            add_instance(former.array.prototype_of(entry), former.array.render_from_entry(entry),
+                         grid_, voxels, bounds);
+        });
 }
 
 history::Regions Footprints::regions() const {

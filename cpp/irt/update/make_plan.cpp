@@ -16,12 +16,23 @@ std::vector<std::uint32_t> showing(const Scene& scene,
                                    const std::vector<std::uint32_t>& materials) {
     std::vector<std::uint32_t> slots;
     if (materials.empty()) return slots;
-    for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
-        const ObjectSlot& object = scene.objects()[slot];
-        if (object.live && object.any_material([&](std::uint32_t material) {
-                return std::count(materials.begin(), materials.end(), material) > 0;
-            }))
-            slots.push_back(slot);
+    const auto shows = [&](const std::vector<std::uint32_t>& shown) {
+        return std::any_of(shown.begin(), shown.end(), [&](std::uint32_t material) {
+            return std::count(materials.begin(), materials.end(), material) > 0;
+        });
+    };
+    for (const ObjectSlot& object : scene.all_objects()) {
+        if (!object.live) continue;
+        if (!object.array) {
+            if (shows(materials_of(object))) slots.push_back(object.slot);
+            continue;
+        }
+        std::vector<bool> showing;
+        for (const auto& prototype : object.prototypes)
+            showing.push_back(shows(prototype->materials));
+        if (std::count(showing.begin(), showing.end(), true) == 0) continue;
+        for (const std::uint32_t slot : scene.entry_slots(object))
+            if (showing[object.array->prototype(scene.entry(slot))]) slots.push_back(slot);
     }
     return slots;
 }
@@ -29,7 +40,8 @@ std::vector<std::uint32_t> showing(const Scene& scene,
 /// Whether some part of `object` is not opaque. Of an object that was replaced: by the materials in
 /// force now; where one of those changed its tint the plan says so anyway.
 bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
-    return object.any_material([&](std::uint32_t slot) {
+    const std::vector<std::uint32_t> shown = materials_of(object);
+    return std::any_of(shown.begin(), shown.end(), [&](std::uint32_t slot) {
         const MaterialSlot& material = scene.materials()[slot];
         const auto& depth = material.shadow_depth.rgb;
         return material.tint_varies ||
@@ -58,11 +70,17 @@ bool Boxes::may_meet(const V3d& origin, const V3d& direction, double t_end) cons
     });
 }
 
-std::vector<trace::Box> object_boxes(const trace::Intersector& intersector,
-                                     const std::vector<std::uint32_t>& slots) {
+std::vector<trace::Box> former_boxes(const trace::Intersector& intersector,
+                                     const AppliedChanges& applied) {
     std::vector<trace::Box> boxes;
-    for (const std::uint32_t slot : slots)
-        if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
+    const auto add = [&](const trace::Box& box) {
+        if (!box.empty()) boxes.push_back(box);
+    };
+    for (const ObjectSlot& object : applied.previous) add(intersector.box(object.slot));
+    for (const FormerEntries& former : applied.former)
+        for (const std::uint32_t entry : former.entries)
+            add(intersector.box(former.array.prototype_of(entry),
+                                former.array.render_from_entry(entry)));
     return boxes;
 }
 
@@ -70,25 +88,31 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
                const history::VoxelGrid& grid, const AppliedChanges& applied,
                const std::vector<trace::Box>& old_boxes, const std::vector<LightSlot>& old_lights) {
     Plan plan;
-    plan.geometry_changed.resize(scene.objects().size());
-    plan.tint_changed.resize(scene.objects().size());
-    plan.rebound.resize(scene.objects().size());
+    plan.geometry_changed.resize(scene.slot_count());
+    plan.tint_changed.resize(scene.slot_count());
+    plan.rebound.resize(scene.slot_count());
     plan.material_changed.resize(scene.materials().size());
     const double slack = intersector.pad();
     plan.tint_departed = !applied.tints.empty() || !applied.retinted.empty();
-    Footprints footprints(grid, applied.geometry.size() + applied.previous.size());
+    std::size_t former = applied.previous.size();
+    for (const FormerEntries& array : applied.former) former += array.entries.size();
+    Footprints footprints(grid, applied.geometry.size() + former);
 
     for (const std::uint32_t slot : applied.geometry) {
         plan.geometry_changed[slot] = plan.tint_changed[slot] = true;
         plan.arrivals.add(intersector.box(slot), slack);
         plan.shadowing.add(intersector.box(slot), slack);
-        footprints.add(scene.objects()[slot]);
+        footprints.add(scene, slot);
     }
     plan.geometry_differs = !applied.geometry.empty();
     for (const trace::Box& box : old_boxes) plan.departures.add(box, slack);
     for (const ObjectSlot& object : applied.previous) {
         plan.tint_departed = plan.tint_departed || lets_light_through(scene, object);
         if (!mutated(Mutant::ghost_ignored)) footprints.add(object);
+    }
+    for (const FormerEntries& array : applied.former) {
+        plan.tint_departed = plan.tint_departed || lets_light_through(scene, array.array);
+        if (!mutated(Mutant::ghost_ignored)) footprints.add(array);
     }
 
     std::vector<std::uint32_t> tinted = showing(scene, applied.tints);
@@ -98,7 +122,7 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
         if (plan.geometry_changed[slot]) continue;
         plan.still_tint_changed = true;
         plan.shadowing.add(intersector.box(slot), slack);
-        footprints.add(scene.objects()[slot]);
+        footprints.add(scene, slot);
     }
     plan.regions = footprints.regions();
 

@@ -11,9 +11,10 @@
 
 namespace irt::update {
 
-/// Boxes of the objects in `slots`, as they are in the trees now; objects without one left out.
-std::vector<trace::Box> object_boxes(const trace::Intersector& intersector,
-                                     const std::vector<std::uint32_t>& slots);
+/// Boxes of what `applied` changed, as it is in the trees that have not taken it up yet; what has
+/// none left out.
+std::vector<trace::Box> former_boxes(const trace::Intersector& intersector,
+                                     const AppliedChanges& applied);
 
 /// `old_boxes` (of the objects whose geometry changed) and `old_lights` are those from before
 /// `applied`; scene and trees are as after.

@@ -19,7 +19,7 @@ from irt_usd.shot.session import Shot, open_shot
 from irt_usd.shot.settings import ShotOptions
 from irt_usd.stage import Snapshot
 from irt_usd.stage.mesh import MeshShape
-from irt_usd.stage.snapshot import ObjectState
+from irt_usd.stage.snapshot import ObjectState, Part
 
 FILES = {
     "quadrics": "quadrics.usda",
@@ -118,13 +118,14 @@ class _Instance:
     def core(self, objects: Mapping[str, ObjectState]) -> _core.Prototype:
         """Its parts as a prototype in its own space."""
         prototype_from_world = np.linalg.inv(self.world)
-        parts = []
+        parts: list[Part] = []
         for path in self.parts:
             state = objects[path]
             placed = state.shape.place(state.world_from_object) @ prototype_from_world
             placed[:, 3] = (0, 0, 0, 1)  # what rounding may have touched
             name = path.removeprefix(self.path + "/")
-            parts.append((name, state.shape.geometry(), placed, state.material))
+            _, geometry, _, material, primvars, faces = state.part(name)
+            parts.append((name, geometry, placed, material, primvars, faces))
         return _core.Prototype(parts)
 
 

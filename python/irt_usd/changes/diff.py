@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from irt_usd.changes.invalidation import Invalidates, invalidates
 from irt_usd.stage.camera import same_camera
+from irt_usd.stage.instances import ENTRY_ATTRIBUTES, EntryChange, InstancesShape, entry_changes
 from irt_usd.stage.snapshot import LightState, MaterialState, ObjectState, Snapshot, State
 from irt_usd.stage.values import Value, same_bits
 
@@ -34,6 +35,9 @@ class Change:
     new: Value
     invalidates: Invalidates
 
+
+_MOST_ENTRIES = 16
+"""Of an instancer so many entries are told one by one; more are counted."""
 
 _Difference = tuple[str, Value, Value]
 """Attribute, value before, value after."""
@@ -167,10 +171,28 @@ def _attribute_changes(
     path: str, old: State, new: State, differences: Iterable[_Difference]
 ) -> Iterator[Change]:
     same_aim = _only_energy(old, new)
+    entries = False
     for name, before, after in differences:
-        # What a material's other shaders say is named by whole paths.
+        if name in ENTRY_ATTRIBUTES:
+            entries = True
+            continue
+        # What a material's other shaders, or prototypes' parts, say is named by whole paths.
         prim, attribute = name.rsplit(".", 1) if name.startswith("/") else (path, name)
         yield Change(prim, attribute, before, after, invalidates(old, new, name, same_aim))
+    if not entries:
+        return
+    for entry in _entry_changes(old, new, _MOST_ENTRIES):
+        named = path if entry.key is None else f"{path}[{entry.key}]"
+        stale = invalidates(old, new, entry.attribute)
+        yield Change(named, entry.attribute, entry.old, entry.new, stale)
+
+
+def _entry_changes(old: State | None, new: State | None, most: int) -> list[EntryChange]:
+    if isinstance(old, ObjectState) and isinstance(new, ObjectState):
+        before, after = old.shape, new.shape
+        if isinstance(before, InstancesShape) and isinstance(after, InstancesShape):
+            return entry_changes(before, after, most)
+    return []
 
 
 def _whole_change(
@@ -210,6 +232,8 @@ def _object_verb(pair: _Pair[ObjectState]) -> str:
     if pair.new is None:
         return "gone"
     changed = {name for name, _, _ in pair.differences}
+    if changed <= set(ENTRY_ATTRIBUTES):
+        return "rearranged"
     if changed - {"world_from_object", "material:binding"}:
         return "deformed"
     return "moved" if "world_from_object" in changed else "rebound"

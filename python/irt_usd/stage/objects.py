@@ -37,6 +37,7 @@ class ObjectSource:
         self._place: Node | Skin = skin or node
         self._shape = shape
         self._material = material
+        self._instanced = node.prim.IsInstanceProxy()
         self._report = report
         self._world = b""
         self._faulty = False
@@ -75,7 +76,7 @@ class ObjectSource:
                 message = "in world space the points exceed single precision; scale the scene down"
                 self._report.skipped(message, prim_location(self.node.prim))
                 return None
-        return ObjectState(self.node.path, shape, world, self._material)
+        return ObjectState(self.node.path, shape, world, self._material, self._instanced)
 
     def _check_transform(self, time: Usd.TimeCode) -> bool:
         fault = transform_fault(self._place.world)

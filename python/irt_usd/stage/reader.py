@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
-from pxr import Usd
+from pxr import Usd, UsdGeom, UsdShade
 
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
+from irt_usd.stage.attributes import where
 from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
+from irt_usd.stage.instances import InstancerSource, PrototypeSource
 from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
@@ -35,13 +37,16 @@ from irt_usd.stage.snapshot import (
     Vector,
 )
 from irt_usd.stage.subsets import material_subsets
-from irt_usd.stage.survey import survey
+from irt_usd.stage.survey import survey, survey_prototype
 from irt_usd.stage.transforms import Node
 
 _DEFAULT_WIDTH = 960
 
 _MAX_SIDE = 65536
 """Widest and highest image, in pixels: beyond it a request is taken for a slip."""
+
+_Worn = tuple[str, ShapeSource | None]
+"""A material's name, and the reader of the shape that wears it; None: it cannot be read."""
 
 _S = TypeVar("_S", ObjectState, MaterialState, LightState)
 _State = TypeVar("_State", covariant=True)
@@ -137,7 +142,12 @@ class ShotReader:
         """The texels of all materials."""
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._level = options.level
-        self._objects = self._bind(found.objects, found.subsets)
+        self._shared: dict[tuple[str, ...], _Worn] = {}
+        self._prototypes: dict[str, PrototypeSource | None] = {}
+        self._objects: list[ObjectSource | InstancerSource] = [
+            *self._bind(found.objects, found.subsets),
+            *self._instancers(found.instancers),
+        ]
         if options.textures is None:
             self._find_textures()
         self._snapshot: Snapshot | None = None
@@ -198,17 +208,45 @@ class ShotReader:
         skins = Skins(self._hierarchy, self._report)
         bindings = bound_materials([node.prim for node in nodes], self._report)
         for node, (_, material) in zip(nodes, bindings, strict=True):
-            name, wanted = self._materials.worn(node, material)
             skin = attempt(partial(skins.skin, node), node.prim, self._report)
-            subsets: list[tuple[Usd.Prim, str]] = []
-            if node.path in divided and node.prim.GetTypeName() == "Mesh":
-                subsets, read = self._subsets(node)
-                wanted |= read
-            make = partial(self._shape_source, node, wanted, skin, subsets)
-            shape = attempt(make, node.prim, self._report)
+            name, shape = self._shape(node, material, skin, divided)
             if shape is not None:
                 sources.append(ObjectSource(node, shape, name, self._report, skin))
         return sources
+
+    def _shape(
+        self,
+        node: Node,
+        material: UsdShade.Material | None,
+        skin: Skin | None,
+        divided: Container[str],
+    ) -> _Worn:
+        """The material that `node` wears, and the reader of its shape.
+
+        One for all native instances of a prim that inherit and wear the same.
+        """
+        subsets: list[tuple[Usd.Prim, str]] = []
+        read: frozenset[str] = frozenset()
+        if node.path in divided and node.prim.GetTypeName() == "Mesh":
+            subsets, read = self._subsets(node)
+        key: tuple[str, ...] = ()
+        if node.prim.IsInstanceProxy() and skin is None:
+            inherited = UsdGeom.PrimvarsAPI(node.prim).FindInheritablePrimvars()
+            attributes = [primvar.GetAttr() for primvar in inherited]
+            key = (
+                str(node.prim.GetPrimInPrototype().GetPath()),
+                str(material.GetPath()) if material else "",
+                *(name for _, name in subsets),
+                *(str(a.GetPath()) for a in attributes if not a.GetPrim().IsInstanceProxy()),
+            )
+            if key in self._shared:
+                return self._shared[key]
+        name, wanted = self._materials.worn(node, material)
+        make = partial(self._shape_source, node, wanted | read, skin, subsets)
+        worn = name, attempt(make, node.prim, self._report)
+        if key:
+            self._shared[key] = worn
+        return worn
 
     def _subsets(self, node: Node) -> tuple[list[tuple[Usd.Prim, str]], frozenset[str]]:
         """The subsets that bind materials, the names of these, and the primvars they read."""
@@ -237,6 +275,49 @@ class ShotReader:
         if kind == "BasisCurves":
             return CurvesSource(node, self._report, wanted, skin, self._level)
         return QuadricSource(node, self._report, wanted)
+
+    def _instancers(self, nodes: Sequence[Node]) -> list[InstancerSource]:
+        sources = []
+        for node in nodes:
+            prototypes = attempt(partial(self._prototypes_of, node), node.prim, self._report)
+            if prototypes:
+                sources.append(InstancerSource(node, prototypes, self._report))
+        return sources
+
+    def _prototypes_of(self, node: Node) -> list[PrototypeSource] | None:
+        """Those that an instancer names; None, reported, if one is not there."""
+        relationship = UsdGeom.PointInstancer(node.prim).GetPrototypesRel()
+        place = where(node.prim, "prototypes", Usd.TimeCode.Default())
+        found = []
+        for target in relationship.GetForwardedTargets():
+            root = self._stage.GetPrimAtPath(target)
+            source = self._prototype(root) if root else None
+            if source is None:
+                fault = "holds the instancer itself" if root else "does not exist"
+                message = f"a prototype {fault}, the instancer is left out"
+                self._report.skipped(message, f"<{target}> of {place}")
+                return None
+            found.append(source)
+        if not found:
+            self._report.skipped("a point instancer without prototypes", place)
+        return found
+
+    def _prototype(self, root: Usd.Prim) -> PrototypeSource | None:
+        """The source of a prototype, one for all who name it; None while it is being read."""
+        path = str(root.GetPath())
+        if path in self._prototypes:
+            return self._prototypes[path]
+        self._prototypes[path] = None
+        found = survey_prototype(root, self._hierarchy, self.purposes, self._report)
+        if UsdGeom.PrimvarsAPI(root).FindPrimvarWithInheritance("displayColor"):
+            for node in found.objects:
+                node.display_primvars = True
+        source = PrototypeSource(
+            path,
+            [*self._bind(found.objects, found.subsets), *self._instancers(found.instancers)],
+        )
+        self._prototypes[path] = source
+        return source
 
     def _find_textures(self) -> None:
         """Looks at the files of all textures. Raises InputError where they are required."""

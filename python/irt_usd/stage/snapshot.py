@@ -2,10 +2,11 @@
 """A shot at one time, as records. States are immutable, and shared by the snapshots that agree."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,19 @@ if TYPE_CHECKING:
     from irt_usd import _core
 
 Vector = tuple[float, float, float]
+Geometry = Union[
+    "_core.Quadric", "_core.Mesh", "_core.Spheres", "_core.Curves", "_core.InstanceArray"
+]
+Part = tuple[
+    str,
+    Geometry,
+    NDArray[np.float64],
+    str,
+    "_core.Primvars",
+    Sequence[str],
+]
+"""As _core.Prototype takes it: name, geometry, place, material, constant primvars, materials of
+faces."""
 
 
 class Shape(ABC):
@@ -30,8 +44,23 @@ class Shape(ABC):
     """Keys of Snapshot.materials: those that faces wear instead of the object's."""
 
     @abstractmethod
-    def geometry(self) -> "_core.Quadric | _core.Mesh | _core.Spheres | _core.Curves":
+    def geometry(self) -> "Geometry":
         """The core's record, made at the first call and shared by later ones."""
+
+    def prototype(self, material: str) -> "_core.Prototype":
+        """The shape alone as a prototype, one for each material that it wears."""
+        from irt_usd import _core
+
+        made = self._prototypes.get(material)
+        if made is None:
+            identity = np.eye(4)
+            state = ObjectState("", self, identity, material)
+            made = self._prototypes[material] = _core.Prototype([state.part("shape")])
+        return made
+
+    @cached_property
+    def _prototypes(self) -> dict[str, "_core.Prototype"]:
+        return {}
 
     def place(self, world_from_object: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where the record goes when the prim is at `world_from_object`; (4, 4), row vectors."""
@@ -47,7 +76,9 @@ class ObjectState:
     world_from_object: NDArray[np.float64]
     """(4, 4) float64, `p_world = p_object @ m`, as the prim's ops compose it."""
     material: str
-    """Key of Snapshot.materials."""
+    """Key of Snapshot.materials; of an instancer, whose prototypes' parts name theirs, empty."""
+    instanced: bool = False
+    """Whether the shape is shared by the objects of a native instance's prototype."""
 
     @property
     def attributes(self) -> dict[str, Value]:
@@ -60,10 +91,19 @@ class ObjectState:
 
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
+        if self.instanced:
+            prototype = self.shape.prototype(self.material)
+            changes.set_object(self.path, prototype, self.world_from_object)
+            return
+        _, geometry, placed, material, primvars, faces = self.part("")
+        changes.set_object(self.path, geometry, placed, material, primvars, faces)
+
+    def part(self, name: str) -> "Part":
+        """The object as a part of a prototype whose space is this one's world."""
         placed = self.shape.place(self.world_from_object)
-        primvars = {name: value.single.core for name, value in self.shape.primvars.items()}
+        primvars = {key: value.single.core for key, value in self.shape.primvars.items()}
         faces = self.shape.face_materials
-        changes.set_object(self.path, self.shape.geometry(), placed, self.material, primvars, faces)
+        return name, self.shape.geometry(), placed, self.material, primvars, faces
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One walk over the stage: what is there to render, and what is there that is not rendered."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -16,7 +16,6 @@ _NOT_RENDERED = {
     "NurbsCurves": "NURBS curves",
     "HermiteCurves": "Hermite curves",
     "NurbsPatch": "NURBS patches",
-    "PointInstancer": "point instancers",
     "TetMesh": "tetrahedral meshes",
     "Volume": "volumes",
 }
@@ -36,15 +35,12 @@ class Survey:
     lights: list[Node] = field(default_factory=list)
     subsets: set[str] = field(default_factory=set)
     """Paths of prims that have GeomSubsets."""
+    instancers: list[Node] = field(default_factory=list)
 
 
 def stage_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     """The prims that can have a part in a picture, parents first, instances' own included."""
-    walk = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
-    for prim in walk:
-        if str(prim.GetTypeName()) in _LEAVES:
-            walk.PruneChildren()
-        yield prim
+    return _pruned(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
 
 
 def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey:
@@ -53,10 +49,52 @@ def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey
     What is inside native instances is listed too, each an object of its own, under its own path.
     """
     found = Survey(Hierarchy(report))
+    _walk(stage_prims(stage), found, purposes, report)
+    return found
+
+
+def survey_prototype(
+    root: Usd.Prim, hierarchy: Hierarchy, purposes: Container[str], report: Report
+) -> Survey:
+    """What is drawn at and under the prototype `root` of a point instancer.
+
+    Its nodes join `hierarchy`; their world is the space of the root's parent. Prototypes may be
+    `over`s and classes. Lights among them are not lights of the shot.
+    """
+    found = Survey(hierarchy)
+    predicate = Usd.PrimIsActive & Usd.PrimIsLoaded
+    _walk(
+        _pruned(Usd.PrimRange(root, Usd.TraverseInstanceProxies(predicate))),
+        found,
+        purposes,
+        report,
+        root.GetPath().pathElementCount - 1,
+    )
+    for light in found.lights:
+        report.unsupported("lights in prototypes", light.path)
+    return found
+
+
+def _pruned(prims: Usd.PrimRange) -> Iterator[Usd.Prim]:
+    walk = iter(prims)
+    for prim in walk:
+        if str(prim.GetTypeName()) in _LEAVES:
+            walk.PruneChildren()
+        yield prim
+
+
+def _walk(
+    prims: Iterable[Usd.Prim],
+    found: Survey,
+    purposes: Container[str],
+    report: Report,
+    depth: int = 0,
+) -> None:
+    """Sorts `prims`, parents first, the first of them `depth` levels below the stage's root."""
     ancestors: list[Node | None] = []
-    for prim in stage_prims(stage):
+    for prim in prims:
         path = prim.GetPath()
-        del ancestors[path.pathElementCount - 1 :]
+        del ancestors[path.pathElementCount - depth - 1 :]
         parent = ancestors[-1] if ancestors else None
         kind = str(prim.GetTypeName())
         unread = bool(ancestors) and parent is None
@@ -67,7 +105,6 @@ def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey
         found.hierarchy.nodes.append(node)
         if (node.purpose or "default") in purposes:
             _sort(node, kind, found, report)
-    return found
 
 
 def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
@@ -79,6 +116,9 @@ def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
             report.unsupported("lights made of geometry (rendered as geometry)", node.path)
     elif kind in lights.KINDS:
         found.lights.append(node)
+        found.hierarchy.require(node)
+    elif kind == "PointInstancer":
+        found.instancers.append(node)
         found.hierarchy.require(node)
     elif kind == "GeomSubset":
         if node.parent is not None:

@@ -8,6 +8,8 @@ what does not, so that a reading of one frame alone gives the same bits as a rea
 from math import hypot, isfinite
 from struct import Struct
 
+import numpy as np
+from numpy.typing import NDArray
 from pxr import Gf, Tf, Usd, UsdGeom
 
 from irt_usd.report import Report
@@ -213,6 +215,36 @@ def transform_fault(matrix: Gf.Matrix4d) -> str | None:
     ) > _MAX_CONDITION * abs(determinant):
         return "the transform is singular to working precision; expected one with an inverse"
     return None
+
+
+_CHUNK = 1 << 15
+"""Matrices checked at once, so that a million take little memory."""
+
+
+def regular_transforms(rows: NDArray[np.float64], world: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which of the affine matrices `rows` (n, 4, 3), followed by `world` (4, 4), have an inverse.
+
+    By the rule of `transform_fault`.
+    """
+    regular = np.empty(len(rows), np.bool_)
+    linear = world[:3, :3]
+    with np.errstate(all="ignore"):
+        for start in range(0, len(rows), _CHUNK):
+            part = rows[start : start + _CHUNK]
+            placed = part @ linear
+            m = placed[:, :3]
+            cofactors = np.cross(m[:, [1, 2, 0]], m[:, [2, 0, 1]])
+            determinant = np.abs((m[:, 0] * cofactors[:, 0]).sum(axis=1))
+            lengths = np.linalg.norm(m, axis=2).prod(axis=1)
+            widths = np.linalg.norm(m, axis=1).prod(axis=1)
+            largest = np.abs(m).max(axis=(1, 2)) * np.abs(cofactors).max(axis=(1, 2))
+            regular[start : start + _CHUNK] = (
+                np.isfinite(placed).all(axis=(1, 2))
+                & (determinant > 0)
+                & (determinant >= 2 * _MIN_INDEPENDENCE * np.minimum(lengths, widths))
+                & (2 * largest <= _MAX_CONDITION * determinant)
+            )
+    return regular
 
 
 def transform_blame(node: Node, fault: str, time: Usd.TimeCode) -> tuple[str, str]:
