@@ -43,11 +43,12 @@ def bumps() -> Image:
 
 
 def leaf() -> Image:
-    """A green leaf, with its outline in the alpha channel."""
+    """A green leaf, black around it, with its outline in the alpha channel."""
     s, t = _grid()
     alpha = (np.abs(s - 0.5) < 0.4 * np.sin(np.pi * t)).astype(float)
     vein = np.abs(s - 0.5) < 0.03
-    return _bytes(np.where(vein, 0.5, 0.15), np.where(vein, 0.6, 0.4), 0.1 + 0 * s, alpha)
+    color = np.where(vein, 0.5, 0.15), np.where(vein, 0.6, 0.4), 0.1 + 0 * s
+    return _bytes(*(channel * alpha for channel in color), alpha)
 
 
 def stripes() -> Image:

@@ -43,16 +43,6 @@ CLIP = (1037, 1040)
 RADIUS = (1042, 1045)
 
 
-def layers() -> dict[str, Usd.Stage]:
-    """Return every layer of the shot, by file name."""
-    return {
-        "features.usda": build(),
-        "lamp.usda": _lamp(),
-        "clip.topology.usda": _clip_topology(),
-        "clip.samples.usda": _clip_samples(),
-    }
-
-
 def build() -> Usd.Stage:
     """Return the shot; its references resolve once it is saved in the folder."""
     stage = new_stage(FIRST, LAST, "Written by shots/features/make_features.py; edit that instead.")
@@ -207,10 +197,19 @@ def _clip_samples() -> Usd.Stage:
     return stage
 
 
+LAYERS: dict[str, Callable[[], Usd.Stage]] = {
+    "features.usda": build,
+    "lamp.usda": _lamp,
+    "clip.topology.usda": _clip_topology,
+    "clip.samples.usda": _clip_samples,
+}
+"""What makes each layer, by file name."""
+
+
 def write(folder: Path) -> None:
     """Write every file of the shot."""
-    for name, stage in layers().items():
-        save(stage, folder / name)
+    for name, make in LAYERS.items():
+        save(make(), folder / name)
     (folder / "varnish.mtlx").write_text(looks.VARNISH)
     (folder / "textures").mkdir(exist_ok=True)
     for name, image in TEXTURES.items():

@@ -7,11 +7,17 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
+from cli_support import irt
 from shots.bench import make_bench
 from shots.demo import make_demo
+from shots.features import looks, make_features
+from shots.features.images import TEXTURES
+from shots.open_chess import make_open_chess
 from shots.paper import make_paper
 
 SHOTS = Path(make_demo.__file__).parents[1]
@@ -24,6 +30,8 @@ SHOTS = Path(make_demo.__file__).parents[1]
         ("paper/chess.usda", partial(make_paper.chess, lights=1)),
         ("paper/chess_3_lights.usda", partial(make_paper.chess, lights=3)),
         ("paper/spheres.usda", make_paper.spheres),
+        ("open_chess/open_chess.usda", make_open_chess.build),
+        *[(f"features/{n}", make) for n, make in make_features.LAYERS.items()],
     ],
 )
 def test_shot_is_what_its_script_writes(name: str, build: Callable[[], Usd.Stage]) -> None:
@@ -80,3 +88,22 @@ def test_benchmark_scenes_have_their_size() -> None:
     faces = [len(mesh.GetFaceVertexCountsAttr().Get()) for mesh in meshes]
     assert sum(corners) - 2 * sum(faces) == 1_322_976
     assert sum(prim.IsInstance() for prim in parade.Traverse()) == 500
+
+
+def test_features_have_the_files_their_script_writes() -> None:
+    folder = SHOTS / "features"
+    assert (folder / "varnish.mtlx").read_text() == looks.VARNISH
+    assert {file.name for file in (folder / "textures").iterdir()} == TEXTURES.keys()
+    for name, texels in TEXTURES.items():
+        assert np.array_equal(
+            oiio.ImageBuf(str(folder / "textures" / name)).get_pixels(oiio.UINT8), texels
+        )
+
+
+def test_features_are_exact_and_wholly_rendered(tmp_path: Path) -> None:
+    verdict = tmp_path / "verdict.json"
+    result = irt(
+        "verify", str(SHOTS / "features/features.usda"), "--size", "120x68", "--json", str(verdict)
+    )
+    assert result.exit_code == 0, result.output
+    assert "not supported" not in result.output
