@@ -50,10 +50,10 @@ def build() -> Usd.Stage:
     opening(stage)
     play(stage)
     varnish(stage)
-    table(stage)
+    setting(stage)
     lights(stage)
     view = camera(
-        stage, "/World/camera", (-0.36, 0.34, -0.62), (0.02, 0.03, -0.02), 40, SIZE[0] / SIZE[1]
+        stage, "/World/camera", (-0.42, 0.42, -0.74), (0.0, 0.015, -0.015), 41, SIZE[0] / SIZE[1]
     )
     view.GetAttribute("clippingRange").Set(Gf.Vec2f(0.01, 100))
     render_settings(stage, *SIZE, view)
@@ -109,8 +109,8 @@ def varnish(stage: Usd.Stage) -> None:
     set_keys(roughness.GetAttr(), ramp(*VARNISH_DULLS, 0.12, 0.45))
 
 
-def table(stage: Usd.Stage) -> None:
-    """What the board stands on."""
+def setting(stage: Usd.Stage) -> None:
+    """What the board stands on, and cards of light that gold and glass mirror."""
     top = UsdGeom.Plane.Define(stage, "/World/table")
     top.CreateAxisAttr(UsdGeom.Tokens.y)
     top.CreateWidthAttr(6.0)
@@ -122,11 +122,11 @@ def table(stage: Usd.Stage) -> None:
 
 def lights(stage: Usd.Stage) -> None:
     """The key, which warms; a cool window from behind; a fill that casts no shadows."""
-    key = sphere_light(stage, "/World/lights/key", (-0.9, 1.3, -0.7), 0.1, 90.0, 6500)
+    key = sphere_light(stage, "/World/lights/key", (-0.9, 1.3, -0.7), 0.1, 260.0, 6500)
     set_keys(key.GetAttribute("inputs:colorTemperature"), ramp(*KEY_WARMS, 6500.0, 3200.0))
-    distant_light(stage, "/World/lights/window", (0.6, -0.7, -0.75), 0.9, (0.75, 0.87, 1.0))
+    distant_light(stage, "/World/lights/window", (0.6, -0.7, -0.75), 1.7, (0.75, 0.87, 1.0))
     distant_light(
-        stage, "/World/lights/fill", (0.3, -0.5, 0.8), 0.35, (1.0, 0.96, 0.92), shadows=False
+        stage, "/World/lights/fill", (0.3, -0.5, 0.8), 0.7, (1.0, 0.96, 0.92), shadows=False
     )
 
 
