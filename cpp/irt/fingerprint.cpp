@@ -13,6 +13,7 @@
 #include "irt/math/float_state.h"
 #include "irt/math/libm.h"
 #include "irt/renderer.h"
+#include "irt/scene/subdivide.h"
 
 namespace irt {
 
@@ -54,7 +55,21 @@ Material textured() {
     return material;
 }
 
-/// Glass, mirror and textured objects of three kinds under two lights: every path of the
+/// The limit surface of a creased pyramid: OpenSubdiv's masks of irregular vertices.
+std::shared_ptr<const Mesh> subdivided() {
+    Subdivision rules;
+    rules.level = 2;
+    rules.crease_indices = {0, 1};
+    rules.crease_lengths = {2};
+    rules.crease_sharpnesses = {1.5f};
+    Mesh cage;
+    cage.points = {{0, 1, 0}, {-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+    cage.face_vertex_counts = {3, 3, 3, 3, 4};
+    cage.face_vertex_indices = {0, 2, 1, 0, 3, 2, 0, 4, 3, 0, 1, 4, 1, 2, 3, 4};
+    return std::make_shared<const Mesh>(Subdivider(rules).refine(cage));
+}
+
+/// Glass, mirror and textured objects of four kinds under two lights: every path of the
 /// arithmetic.
 ChangeSet fixed_scene() {
     ChangeSet changes;
@@ -83,6 +98,8 @@ ChangeSet fixed_scene() {
     changes.objects["/ball"] = Object{sphere, place(-1, 0.1, -6), "/mirror"};
     changes.objects["/cone"] = Object{cone, place(1.2, 0.2, -5), "/glass"};
     changes.objects["/ground"] = Object{std::shared_ptr<const Mesh>(ground), M44d(), "/ground"};
+
+    changes.objects["/pyramid"] = Object{subdivided(), place(0.3, -0.9, -7), "/mirror"};
 
     Light sun, lamp;
     sun.direction = {0.3, -1, -0.4};
