@@ -95,9 +95,9 @@ def test_features_have_the_files_their_script_writes() -> None:
     assert (folder / "varnish.mtlx").read_text() == looks.VARNISH
     assert {file.name for file in (folder / "textures").iterdir()} == TEXTURES.keys()
     for name, texels in TEXTURES.items():
-        assert np.array_equal(
-            oiio.ImageBuf(str(folder / "textures" / name)).get_pixels(oiio.UINT8), texels
-        )
+        stored = oiio.ImageBuf(str(folder / "textures" / name)).get_pixels(oiio.UINT8)
+        assert stored is not None
+        assert np.array_equal(stored, texels), name
 
 
 def test_features_are_exact_and_wholly_rendered(tmp_path: Path) -> None:
