@@ -155,10 +155,10 @@ def _varnish(stage: Usd.Stage) -> UsdShade.Material:
     """A MaterialX standard surface from a file of its own, its coat keyed from here."""
     prim = stage.DefinePrim(f"{ROOT}/mtlx", "Scope")
     prim.GetReferences().AddReference("./varnish.mtlx", "/MaterialX/Materials")
-    shader = UsdShade.Shader(stage.OverridePrim(f"{ROOT}/mtlx/varnished_wood/varnish"))
-    coat = shader.CreateInput("coat_roughness", _TYPES.Float)
+    look = UsdShade.Material(stage.OverridePrim(f"{ROOT}/mtlx/varnished_wood"))
+    coat = look.CreateInput("coat_roughness", _TYPES.Float)
     set_keys(coat.GetAttr(), ramp(*Keyed.mtlx, 0.05, 0.4))
-    return UsdShade.Material(stage.OverridePrim(f"{ROOT}/mtlx/varnished_wood"))
+    return look
 
 
 VARNISH = """<?xml version="1.0"?>

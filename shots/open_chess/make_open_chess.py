@@ -101,11 +101,9 @@ def play(stage: Usd.Stage) -> None:
 
 def varnish(stage: Usd.Stage) -> None:
     """A coat over the board's textures, whose roughness grows."""
-    shader = UsdShade.Shader(
-        stage.OverridePrim(f"{SET}/Chessboard/Materials/M_Chessboard/Chessboard")
-    )
-    shader.CreateInput("coat", Sdf.ValueTypeNames.Float).Set(0.7)
-    roughness = shader.CreateInput("coat_roughness", Sdf.ValueTypeNames.Float)
+    look = UsdShade.Material(stage.OverridePrim(f"{SET}/Chessboard/Materials/M_Chessboard"))
+    look.CreateInput("coat", Sdf.ValueTypeNames.Float).Set(0.7)
+    roughness = look.CreateInput("coat_roughness", Sdf.ValueTypeNames.Float)
     set_keys(roughness.GetAttr(), ramp(*VARNISH_DULLS, 0.12, 0.45))
 
 

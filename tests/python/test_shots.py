@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shots in the repository are what their scripts write, and hold what the docs say."""
 
+import re
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
@@ -21,6 +22,7 @@ from shots.open_chess import make_open_chess
 from shots.paper import make_paper
 
 SHOTS = Path(make_demo.__file__).parents[1]
+ASSETS = SHOTS.parents[1] / "shared/assets"
 
 
 @pytest.mark.parametrize(
@@ -107,3 +109,31 @@ def test_features_are_exact_and_wholly_rendered(tmp_path: Path) -> None:
     )
     assert result.exit_code == 0, result.output
     assert "not supported" not in result.output
+
+
+def changing_frames(*arguments: str) -> set[int]:
+    """The frames in which `irt changes` finds a change, after the first."""
+    result = irt("changes", *arguments)
+    assert result.exit_code == 0, result.output
+    found = re.findall(r"^(\d+): (.*)", result.output, re.MULTILINE)
+    return {int(frame) for frame, what in found if what not in ("nothing", "first frame")}
+
+
+def keyed(*spans: tuple[int, int]) -> set[int]:
+    """The frames after the first of each span."""
+    return {frame for first, last in spans for frame in range(first + 1, last + 1)}
+
+
+def test_every_feature_changes_when_it_is_keyed_and_only_then() -> None:
+    m, k = make_features, looks.Keyed
+    spans = (m.SKEL, m.DEFORM, m.RISE, m.CLIMB, m.FAN, m.CLIP, m.RADIUS, k.turn, k.bump, k.coat)
+    expected = keyed(*spans, k.mtlx, (k.swap - 1, k.swap))
+    assert changing_frames(str(SHOTS / "features/features.usda")) == expected
+
+
+@pytest.mark.skipif(not ASSETS.is_dir(), reason=f"{ASSETS}: the shared assets are not there")
+def test_open_chess_changes_when_it_is_keyed_and_only_then() -> None:
+    m = make_open_chess
+    stage = str(SHOTS / "open_chess/open_chess.usda")
+    expected = keyed(m.PAWN_TAKES, m.BISHOP_LEAVES, m.KEY_WARMS, m.VARNISH_DULLS)
+    assert changing_frames(stage, "--asset-path", str(ASSETS)) == expected
