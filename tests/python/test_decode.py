@@ -64,7 +64,7 @@ def test_a_palette(tmp_path: Path) -> None:
     np.testing.assert_array_equal(decode(str(file))[0, :, :3], [[40, 50, 60], [10, 20, 30]])
 
 
-@pytest.mark.skipif(not ASSETS.exists(), reason="the working group's assets are not there")
+@pytest.mark.skipif(not ASSETS.exists(), reason=f"{ASSETS} is not there")
 def test_cmyk() -> None:
     folder = ASSETS / "TextureFileFormatTests"
     found = decode(str(folder / "jpeg_cmyk_8-bit.jpg")).astype(float)
