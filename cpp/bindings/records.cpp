@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl.h>
 
+#include <limits>
+
 #include "arrays.h"
 #include "irt/scene/change_set.h"
 #include "irt/scene/curves.h"
@@ -305,11 +307,15 @@ void bind_light_and_camera(py::module_& module) {
             },
             py::arg("position"), py::arg("intensity"), py::arg("casts_shadows") = true);
     py::class_<Camera>(module, "Camera")
-        .def(py::init([](const Array<double>& world_from_camera,
-                         const std::array<double, 4>& window, bool orthographic) {
-                 return Camera{matrix(world_from_camera), orthographic, window};
-             }),
-             py::arg("world_from_camera"), py::arg("window"), py::arg("orthographic") = false);
+        .def(
+            py::init([](const Array<double>& world_from_camera, const std::array<double, 4>& window,
+                        bool orthographic, const std::array<double, 2>& clipping) {
+                return Camera{matrix(world_from_camera), orthographic, window, clipping[0],
+                              clipping[1]};
+            }),
+            py::arg("world_from_camera"), py::arg("window"), py::arg("orthographic") = false,
+            py::arg("clipping") =
+                std::array<double, 2>{0, std::numeric_limits<double>::infinity()});
 }
 
 }  // namespace

@@ -122,7 +122,8 @@ struct RayTrees {
 
     Array<NodeIndex> free_nodes;
     Array<PointIndex> free_points;
-    std::uint64_t shadow_rays = 0;  ///< light nodes that have a path
+    std::uint64_t shadow_rays = 0;                              ///< light nodes that have a path
+    float root_reach = std::numeric_limits<float>::infinity();  ///< t_max of primary rays
 
     RayTrees() = default;
     /// Empty trees under lights of which `casts_shadows` says which cast shadows.
@@ -149,7 +150,9 @@ struct RayTrees {
     void set_shadow_path(std::size_t light, PointIndex point, PathIndex path);
 
     [[nodiscard]] trace::Ray ray(NodeIndex node) const {
-        return {nodes[node].origin, nodes[node].direction};
+        const Node& n = nodes[node];
+        return {n.origin, n.direction,
+                n.parent & root_bit ? root_reach : std::numeric_limits<float>::infinity()};
     }
     /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
     void set_hit(NodeIndex node, const trace::Hit& hit);

@@ -85,7 +85,8 @@ bool same_rays(const Light& a, const Light& b) {
 
 bool same(const Camera& a, const Camera& b) {
     return same_bits(a.world_from_camera, b.world_from_camera) &&
-           a.orthographic == b.orthographic && same_bits(a.window, b.window);
+           a.orthographic == b.orthographic && same_bits(a.window, b.window) &&
+           same_bits(a.near, b.near) && same_bits(a.far, b.far);
 }
 
 }  // namespace irt

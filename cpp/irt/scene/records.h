@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <variant>
@@ -152,11 +153,13 @@ struct Light {
 };
 
 /// A camera. Camera space looks along -z, y up. `window` is (left, right, bottom, top) of the image
-/// on the plane z = -1 (perspective) or in camera units (orthographic).
+/// on the plane z = -1 (perspective) or in camera units (orthographic). Primary rays see what lies
+/// between the depths `near` (at least 0) and `far`, along -z in camera units.
 struct Camera {
     M44d world_from_camera;
     bool orthographic = false;
     std::array<double, 4> window{-1, 1, -1, 1};
+    double near = 0, far = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace irt

@@ -127,12 +127,18 @@ class CameraState:
     window: tuple[float, float, float, float]
     """Left, right, bottom, top: on the plane z = -1 (perspective) or in camera units."""
     orthographic: bool
+    clipping: tuple[float, float]
+    """Near and far, as depths."""
+    pixel_aspect: float
+    """Width over height of a pixel."""
+    exposure: float
+    """What written radiances are multiplied by."""
 
     def core(self) -> "_core.Camera":
         """The core's record."""
         from irt_usd import _core
 
-        return _core.Camera(self.world_from_camera, self.window, self.orthographic)
+        return _core.Camera(self.world_from_camera, self.window, self.orthographic, self.clipping)
 
 
 State = ObjectState | MaterialState | LightState | CameraState
@@ -150,6 +156,12 @@ class Snapshot:
     objects: Mapping[str, ObjectState]
     materials: Mapping[str, MaterialState]
     lights: Mapping[str, LightState]
-    camera: CameraState
+    cameras: tuple[CameraState, ...]
+    """By view."""
     hidden: frozenset[str] = field(default_factory=frozenset)
     """Objects and lights that are invisible at this time."""
+
+    @property
+    def camera(self) -> CameraState:
+        """The first view's."""
+        return self.cameras[0]
