@@ -14,7 +14,8 @@ class StageColors:
     def __init__(self, stage: Usd.Stage, report: Report, settings_path: str = "") -> None:
         """`settings_path`: the render settings, where they are other than the stage's own.
 
-        Raises InputError where the rendering space is not known, or is not linear."""
+        Raises InputError where the rendering space is not known, or is not linear.
+        """
         self._report = report
         self._cache = Usd.ColorSpaceHashCache()
         settings = (
