@@ -234,7 +234,9 @@ class ShotReader:
         prims = attempt(partial(material_subsets, node.prim), node.prim, self._report) or []
         worn = []
         read: frozenset[str] = frozenset()
-        for prim, (_, material) in zip(prims, bound_materials(prims, self._report), strict=True):
+        for prim, (_, material) in zip(
+            prims, bound_materials(prims, self._report, self._binding_purpose), strict=True
+        ):
             source = self._materials.bound(material)
             if source is not None:
                 worn.append((prim, source.path))
