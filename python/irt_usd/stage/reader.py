@@ -39,7 +39,6 @@ from irt_usd.stage.survey import survey
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.views import View, ViewOptions, plan_views
 
-
 _S = TypeVar("_S", ObjectState, MaterialState, LightState)
 _State = TypeVar("_State", covariant=True)
 
@@ -54,8 +53,9 @@ class ReadOptions:
     `views`: what a reader of the same shot made of all that. `purposes`: which of UsdGeom's are
     rendered; None: the render settings', or default and render. `camera_light`: whether a stage
     without a light that irt renders gets one at the first view's camera. `missing_asset`: what
-    becomes of a shot whose files are not all there. `level`: how often faces of subdivision meshes are
-    cut. `texture_memory`: bytes that textures may take. `textures`: those of another reader of the same stage.
+    becomes of a shot whose files are not all there. `level`: how often faces of subdivision meshes
+    are cut. `texture_memory`: bytes that textures may take. `textures`: those of another reader of
+    the same stage.
     """
 
     camera: str | None = None
