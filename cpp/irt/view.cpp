@@ -353,8 +353,7 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
     }
     const auto write = [&](std::size_t k) {
         Stopwatch watch;
-        // Where lights moved, every sample that sees anything was walked.
-        write_pixels(k, cells[k], plan.lights_differ && !plan.lights_moved);
+        write_pixels(k, cells[k], plan.lights_differ);
         reports[k].film = watch.lap();
         reports[k].counts = cells[k].counts();
     };

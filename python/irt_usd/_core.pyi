@@ -221,11 +221,31 @@ class Light:
     """A delta light; directions and positions in world space, energy scene-linear RGB."""
 
     @staticmethod
-    def distant(direction: Vec3, irradiance: Vec3, casts_shadows: bool = True) -> Light:
-        """`direction` is the way the light travels; `irradiance` at normal incidence."""
+    def distant(
+        direction: Vec3,
+        irradiance: Vec3,
+        casts_shadows: bool = True,
+        *,
+        modifiers: dict[str, Any] = ...,
+    ) -> Light:
+        """`direction` is the way the light travels; `irradiance` at normal incidence.
+
+        `modifiers`, of a point light too: profile (uniform, facing, round), axis (a point's main
+        direction) and side (across it; unit, world space), diffuse, specular, cone_angle (degrees),
+        cone_softness, focus, focus_tint, ies (vertical angles, horizontal angles, values by
+        horizontal and vertical angle), shadow_color, shadow_distance, unlit (paths of objects)."""
     @staticmethod
-    def point(position: Vec3, intensity: Vec3, casts_shadows: bool = True) -> Light:
-        """`intensity` is radiant intensity: irradiance is intensity / distance²."""
+    def point(
+        position: Vec3,
+        intensity: Vec3,
+        casts_shadows: bool = True,
+        *,
+        modifiers: dict[str, Any] = ...,
+    ) -> Light:
+        """`intensity` is the greatest radiant intensity: irradiance is intensity / distance²."""
+    @staticmethod
+    def environment(radiance: Vec3) -> Light:
+        """What rays see that meet nothing; it lights no surface."""
 
 class Camera:
     """`window` is (left, right, bottom, top) of the image on camera space's plane z = -1

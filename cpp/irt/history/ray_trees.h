@@ -164,8 +164,9 @@ struct RayTrees {
     };
     [[nodiscard]] End end() const { return {nodes.size(), points.size(), rays()}; }
     /// Keeps of the samples from `first` on, which were traced since `end`, their intensities
-    /// alone. Only where no node was freed since.
-    void settle(SampleIndex first, const End& end);
+    /// alone. Only where no node was freed since. `beyond`: by column, what rays see that meet
+    /// nothing.
+    void settle(SampleIndex first, const End& end, const std::vector<V3f>& beyond);
 
     /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
     bool mark(NodeIndex node, std::uint8_t what);

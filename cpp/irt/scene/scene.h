@@ -95,7 +95,13 @@ struct LightSlot {
     std::string path;
     std::uint32_t id = 0;
     Light record;
-    V3d position_render;  ///< render space, double
+    V3d position_render;      ///< render space, double
+    std::vector<bool> unlit;  ///< by object slot: those it does not light; may end before them
+    bool shaped = false;      ///< it does not send the same in all directions
+
+    [[nodiscard]] bool lights(std::uint32_t object) const {
+        return object >= unlit.size() || !unlit[object];
+    }
 };
 
 /// What `Scene::apply` found to differ, record by record and by value.

@@ -38,6 +38,20 @@ bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
     });
 }
 
+/// Has the points of objects that a light lights now and did not, or the other way round, shaded
+/// again.
+void relink(const Scene& scene, const std::vector<bool>& before, const std::vector<bool>& now,
+            Plan& plan) {
+    if (before == now) return;
+    for (std::uint32_t slot = 0; slot < scene.objects().size(); ++slot) {
+        const bool was = slot < before.size() && before[slot];
+        const bool is = slot < now.size() && now[slot];
+        if (was == is || !scene.objects()[slot].live) continue;
+        plan.rebound[slot] = true;
+        plan.material_mask = ~std::uint64_t{0};
+    }
+}
+
 }  // namespace
 
 void Boxes::add(const trace::Box& box, double slack) {
@@ -128,6 +142,10 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
             plan.kept_lights.back() = static_cast<std::size_t>(before - old_lights.begin());
         else
             plan.lights_moved = true;
+        const bool kept = plan.kept_lights.back() && before != old_lights.end();
+        plan.reshaped_lights.push_back(kept && !same_response(before->record, light.record));
+        plan.lights_reshaped = plan.lights_reshaped || plan.reshaped_lights.back();
+        if (kept) relink(scene, before->unlit, light.unlit, plan);
     }
     return plan;
 }

@@ -105,7 +105,8 @@ class ChangeList:
         ):
             for path, pair in pairs.items():
                 if pair.new is None:
-                    remove(path)
+                    for name in pair.old.names() if isinstance(pair.old, LightState) else (path,):
+                        remove(name)
                 else:
                     pair.new.add_to(changes)
         return changes
@@ -227,6 +228,7 @@ def _only_energy(old: State | None, new: State | None) -> bool:
         old.kind == new.kind
         and same_bits(old.aim, new.aim)
         and old.casts_shadows == new.casts_shadows
+        and old.modifiers == new.modifiers
         and any(old.energy)
     )
 

@@ -77,6 +77,7 @@ def shot_options(command: Command) -> Command:
         settings_path: str | None,
         region: str | None,
         lock_camera: str | None,
+        dome_samples: int,
         **rest: Any,
     ) -> Any:
         options = ShotOptions(
@@ -96,6 +97,7 @@ def shot_options(command: Command) -> Command:
             settings_path,
             _parse_region(region) if region is not None else None,
             _parse_frame(lock_camera) if lock_camera is not None else None,
+            dome_samples,
         )
         return command(*args, options=options, **rest)
 
@@ -127,6 +129,13 @@ def shot_options(command: Command) -> Command:
             metavar="L,B,R,T",
             help="Render this window of the frame alone, 0,0,1,1 being all of it, y up; beyond it"
             " is overscan. By default the render settings' dataWindowNDC.",
+        ),
+        click.option(
+            "--dome-samples",
+            type=click.IntRange(1, 4096),
+            default=32,
+            show_default=True,
+            help="Directions from which a dome lights surfaces.",
         ),
         click.option(
             "--lock-camera",

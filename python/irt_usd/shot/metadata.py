@@ -43,6 +43,7 @@ def shot_metadata(shot: Shot, settings: TraceSettings, view: int = 0) -> dict[st
         "irt:complexity": shot.options.complexity,
         "irt:missingAsset": shot.options.missing_asset,
         "irt:renderingColorSpace": shot.reader.colors.rendering,
+        "irt:domeSamples": shot.options.dome_samples,
         "irt:samples": settings.samples,
         "irt:maxDepth": settings.max_depth,
         "irt:throughputCutoff": settings.throughput_cutoff,

@@ -140,6 +140,7 @@ def _reading(options: ShotOptions) -> ReadOptions:
         settings=options.settings,
         data_window=options.data_window,
         lock_camera=float(options.lock_camera) if options.lock_camera is not None else None,
+        dome_samples=options.dome_samples,
     )
 
 

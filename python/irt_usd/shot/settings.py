@@ -45,6 +45,7 @@ class ShotOptions:
     settings: str | None = None
     data_window: tuple[float, float, float, float] | None = None
     lock_camera: Decimal | None = None
+    dome_samples: int = 32
 
 
 @dataclass(frozen=True)

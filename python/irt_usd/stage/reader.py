@@ -17,7 +17,7 @@ from irt_usd.stage.camera import CameraSource, same_camera
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
-from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
+from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
@@ -52,10 +52,10 @@ class ReadOptions:
     `data_window` (as Framing has it) and `lock_camera` (the time at which cameras are read).
     `views`: what a reader of the same shot made of all that. `purposes`: which of UsdGeom's are
     rendered; None: the render settings', or default and render. `camera_light`: whether a stage
-    without a light that irt renders gets one at the first view's camera. `missing_asset`: what
-    becomes of a shot whose files are not all there. `level`: how often faces of subdivision meshes
-    are cut. `texture_memory`: bytes that textures may take. `textures`: those of another reader of
-    the same stage.
+    without a light that irt renders gets one at the first view's camera. `dome_samples`: directions
+    that a dome lights from. `missing_asset`: what becomes of a shot whose files are not all there.
+    `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
+    may take. `textures`: those of another reader of the same stage.
     """
 
     camera: str | None = None
@@ -69,6 +69,7 @@ class ReadOptions:
     settings: str | None = None
     data_window: tuple[float, float, float, float] | None = None
     lock_camera: float | None = None
+    dome_samples: int = DOME_SAMPLES
     views: tuple[View, ...] | None = None
 
 
@@ -130,7 +131,11 @@ class ShotReader:
         self.colors = colors.spaces
         """What leads to the rendering space."""
         lights = [
-            attempt(partial(LightSource, n.prim, n, self._report, colors), n.prim, self._report)
+            attempt(
+                partial(LightSource, n.prim, n, self._report, colors, options.dome_samples),
+                n.prim,
+                self._report,
+            )
             for n in found.lights
         ]
         self._lights = [light for light in lights if light is not None]
@@ -150,6 +155,8 @@ class ShotReader:
         self._objects = self._bind(found.objects, found.subsets)
         if options.textures is None:
             self._find_textures()
+        for light in self._lights:
+            light.link(source.node.path for source in self._objects)
         self._snapshot: Snapshot | None = None
         self.camera_moves = [self._find_camera_moves(v, frames) for v in range(len(self.views))]
         """By view the frames, of those given, whose camera differs from that of the frame

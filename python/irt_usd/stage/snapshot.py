@@ -4,8 +4,9 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,28 +93,52 @@ class MaterialState:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LightState:
-    """A visible light, reduced to a delta light."""
+    """A visible light, reduced to a delta light, or a dome to several."""
 
     path: str
-    kind: Literal["distant", "point"]
+    kind: Literal["distant", "point", "dome"]
     attributes: Mapping[str, Value]
     aim: Vector
     """World space: the unit direction in which a distant light travels, or a point's position."""
     energy: Vector
-    """Scene-linear RGB: irradiance at normal incidence, or a point's radiant intensity."""
+    """Scene-linear RGB: irradiance at normal incidence, a point's greatest radiant intensity or a
+    dome's radiance."""
     casts_shadows: bool
+    modifiers: Mapping[str, Any] = field(default_factory=dict)
+    """Of the core's record, as _core.Light has them."""
+    directions: int = 0
+    """That a dome lights from."""
 
-    def core(self) -> "_core.Light":
-        """The core's record."""
+    def core(self) -> dict[str, "_core.Light"]:
+        """The core's records, by name: of a dome the sky, and the lights that stand for it."""
         from irt_usd import _core
 
+        shaped = dict(self.modifiers)
+        if self.kind == "point":
+            light = _core.Light.point(self.aim, self.energy, self.casts_shadows, modifiers=shaped)
+            return {self.path: light}
         if self.kind == "distant":
-            return _core.Light.distant(self.aim, self.energy, self.casts_shadows)
-        return _core.Light.point(self.aim, self.energy, self.casts_shadows)
+            light = _core.Light.distant(self.aim, self.energy, self.casts_shadows, modifiers=shaped)
+            return {self.path: light}
+        from irt_usd.stage.lights import dome_directions
+
+        share = 4 * pi / self.directions
+        energy = [channel * share for channel in self.energy]
+        lights = {self.path: _core.Light.environment(self.energy)}
+        for name, direction in zip(self.names()[1:], dome_directions(self.directions), strict=True):
+            lights[name] = _core.Light.distant(
+                direction, energy, self.casts_shadows, modifiers=shaped
+            )
+        return lights
+
+    def names(self) -> list[str]:
+        """Of the core's records."""
+        return [self.path, *(f"{self.path}#{i:04d}" for i in range(self.directions))]
 
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
-        changes.set_light(self.path, self.core())
+        for name, light in self.core().items():
+            changes.set_light(name, light)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
