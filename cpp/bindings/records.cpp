@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "arrays.h"
 #include "irt/scene/change_set.h"
 #include "irt/scene/curves.h"
@@ -316,36 +319,108 @@ void bind_geometry(py::module_& module) {
         });
 }
 
+Profile profile_named(const std::string& name) {
+    if (name == "uniform") return Profile::Uniform;
+    if (name == "facing") return Profile::Facing;
+    if (name == "round") return Profile::Round;
+    throw py::value_error("profile '" + name + "' is none of uniform, facing, round");
+}
+
+std::shared_ptr<const IesWeb> make_web(const py::handle& value) {
+    auto web = std::make_shared<IesWeb>();
+    std::tie(web->vertical, web->horizontal, web->values) =
+        value.cast<std::tuple<std::vector<float>, std::vector<float>, std::vector<float>>>();
+    if (web->vertical.empty() || web->horizontal.empty() ||
+        web->values.size() != web->vertical.size() * web->horizontal.size())
+        throw py::value_error("ies: as many values as pairs of angles, one at least");
+    return web;
+}
+
+/// Sets what is given by name of a light's further fields.
+void modify(Light& light, const py::dict& modifiers) {
+    for (const auto& [key, value] : modifiers) {
+        const auto name = key.cast<std::string>();
+        if (name == "profile")
+            light.profile = profile_named(value.cast<std::string>());
+        else if (name == "axis")
+            light.direction = vec3d(value.cast<Triple>());
+        else if (name == "side")
+            light.side = vec3d(value.cast<Triple>());
+        else if (name == "diffuse")
+            light.diffuse = value.cast<float>();
+        else if (name == "specular")
+            light.specular = value.cast<float>();
+        else if (name == "cone_angle")
+            light.cone_angle = value.cast<float>();
+        else if (name == "cone_softness")
+            light.cone_softness = value.cast<float>();
+        else if (name == "focus")
+            light.focus = value.cast<float>();
+        else if (name == "focus_tint")
+            light.focus_tint = vec3f(value.cast<Triple>());
+        else if (name == "ies")
+            light.ies = make_web(value);
+        else if (name == "shadow_color")
+            light.shadow_color = vec3f(value.cast<Triple>());
+        else if (name == "shadow_distance")
+            light.shadow_distance = value.cast<float>();
+        else if (name == "unlit")
+            light.unlit = value.cast<std::vector<std::string>>();
+        else
+            throw py::value_error("a light has no '" + name + "'");
+    }
+    std::sort(light.unlit.begin(), light.unlit.end());
+}
+
+Light make_distant(const Triple& direction, const Triple& irradiance, bool shadows,
+                   const py::dict& modifiers) {
+    Light light;
+    light.direction = vec3d(direction);
+    light.energy = vec3f(irradiance);
+    light.casts_shadows = shadows;
+    modify(light, modifiers);
+    return light;
+}
+
+Light make_point(const Triple& position, const Triple& intensity, bool shadows,
+                 const py::dict& modifiers) {
+    Light light;
+    light.kind = LightKind::Point;
+    light.position = vec3d(position);
+    light.energy = vec3f(intensity);
+    light.casts_shadows = shadows;
+    modify(light, modifiers);
+    return light;
+}
+
 void bind_light_and_camera(py::module_& module) {
     py::class_<Light>(module, "Light")
+        .def_static("distant", &make_distant, py::arg("direction"), py::arg("irradiance"),
+                    py::arg("casts_shadows") = true, py::kw_only(),
+                    py::arg("modifiers") = py::dict())
+        .def_static("point", &make_point, py::arg("position"), py::arg("intensity"),
+                    py::arg("casts_shadows") = true, py::kw_only(),
+                    py::arg("modifiers") = py::dict())
         .def_static(
-            "distant",
-            [](const Triple& direction, const Triple& irradiance, bool shadows) {
+            "environment",
+            [](const Triple& radiance) {
                 Light light;
-                light.kind = LightKind::Distant;
-                light.direction = vec3d(direction);
-                light.energy = vec3f(irradiance);
-                light.casts_shadows = shadows;
+                light.kind = LightKind::Environment;
+                light.energy = vec3f(radiance);
+                light.casts_shadows = false;
                 return light;
             },
-            py::arg("direction"), py::arg("irradiance"), py::arg("casts_shadows") = true)
-        .def_static(
-            "point",
-            [](const Triple& position, const Triple& intensity, bool shadows) {
-                Light light;
-                light.kind = LightKind::Point;
-                light.position = vec3d(position);
-                light.energy = vec3f(intensity);
-                light.casts_shadows = shadows;
-                return light;
-            },
-            py::arg("position"), py::arg("intensity"), py::arg("casts_shadows") = true);
+            py::arg("radiance"));
     py::class_<Camera>(module, "Camera")
-        .def(py::init([](const Array<double>& world_from_camera,
-                         const std::array<double, 4>& window, bool orthographic) {
-                 return Camera{matrix(world_from_camera), orthographic, window};
-             }),
-             py::arg("world_from_camera"), py::arg("window"), py::arg("orthographic") = false);
+        .def(
+            py::init([](const Array<double>& world_from_camera, const std::array<double, 4>& window,
+                        bool orthographic, const std::array<double, 2>& clipping) {
+                return Camera{matrix(world_from_camera), orthographic, window, clipping[0],
+                              clipping[1]};
+            }),
+            py::arg("world_from_camera"), py::arg("window"), py::arg("orthographic") = false,
+            py::arg("clipping") =
+                std::array<double, 2>{0, std::numeric_limits<double>::infinity()});
 }
 
 }  // namespace

@@ -22,10 +22,13 @@ film::Aov aov_or_throw(const std::string& name) {
 
 ViewSettings make_settings(int width, int height, int samples, int max_depth,
                            double throughput_cutoff, double mirror_roughness,
-                           const std::vector<std::string>& aovs) {
+                           const std::vector<std::string>& aovs, const std::pair<int, int>& start,
+                           const std::pair<int, int>& frame) {
     ViewSettings settings;
     settings.width = width;
     settings.height = height;
+    std::tie(settings.x, settings.y) = start;
+    std::tie(settings.frame_width, settings.frame_height) = frame;
     settings.samples = samples;
     settings.shade = {max_depth, throughput_cutoff, mirror_roughness};
     for (const std::string& name : aovs) settings.aovs.push_back(aov_or_throw(name));
@@ -105,14 +108,13 @@ py::dict statistics(const UpdateReport& report) {
 }
 
 /// Runs the update beside the interpreter's thread, which goes on to poll signals and report.
-UpdateReport run_update(Renderer& renderer, const ChangeSet& changes,
-                        const std::optional<Camera>& camera, bool keep_history,
-                        const std::optional<Progress>& progress) {
+std::vector<UpdateReport> run_update(Renderer& renderer, const ChangeSet& changes,
+                                     const std::vector<ViewUpdate>& views,
+                                     const std::optional<Progress>& progress) {
     constexpr std::chrono::milliseconds poll{50};
     cells::Control control;
-    auto running = std::async(std::launch::async, [&] {
-        return renderer.update(changes, camera, keep_history, control);
-    });
+    auto running =
+        std::async(std::launch::async, [&] { return renderer.update(changes, views, control); });
     bool interrupted = false;
     for (auto state = std::future_status::timeout; state != std::future_status::ready;) {
         if (!interrupted) {
@@ -131,13 +133,18 @@ UpdateReport run_update(Renderer& renderer, const ChangeSet& changes,
         const py::gil_scoped_release release;
         state = running.wait_for(poll);
     }
-    UpdateReport report = running.get();
+    std::vector<UpdateReport> reports = running.get();
     if (interrupted) throw py::error_already_set();
-    return report;
+    return reports;
 }
 
-py::array aov_array(const py::object& self, const std::string& name) {
-    const film::Film& film = self.cast<const Renderer&>().film();
+const film::Film& film_of(const Renderer& renderer, std::size_t view) {
+    if (view >= renderer.view_count()) throw py::index_error("no such view");
+    return renderer.film(view);
+}
+
+py::array aov_array(const py::object& self, const std::string& name, std::size_t view) {
+    const film::Film& film = film_of(self.cast<const Renderer&>(), view);
     const film::Aov aov = aov_or_throw(name);
     if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
     const py::ssize_t height = film.height(), width = film.width();
@@ -147,11 +154,11 @@ py::array aov_array(const py::object& self, const std::string& name) {
     return read_only(self, &film.vectors(aov)->x, {height, width, 3});
 }
 
-py::dict pixel_values(const Renderer& renderer, int x, int y) {
-    const film::Film& film = renderer.film();
+py::dict pixel_values(const Renderer& renderer, int x, int y, std::size_t view) {
+    const film::Film& film = film_of(renderer, view);
     if (x < 0 || y < 0 || x >= film.width() || y >= film.height())
         throw py::index_error("no such pixel");
-    const film::PixelValue value = renderer.brute_force_pixel(x, y);
+    const film::PixelValue value = renderer.brute_force_pixel(x, y, view);
     const auto vector = [](const V3f& v) { return py::array_t<float>(3, &v.x); };
     py::dict out;
     out["beauty"] = py::array_t<float>(4, value.rgba);
@@ -173,7 +180,8 @@ void bind_renderer(py::module_& module) {
              py::arg("samples") = d.samples, py::arg("max_depth") = d.shade.max_depth,
              py::arg("throughput_cutoff") = d.shade.throughput_cutoff,
              py::arg("mirror_roughness") = d.shade.mirror_roughness,
-             py::arg("aovs") = std::vector<std::string>{});
+             py::arg("aovs") = std::vector<std::string>{}, py::arg("start") = std::pair(0, 0),
+             py::arg("frame") = std::pair(0, 0));
     py::class_<Foreseen, std::shared_ptr<Foreseen>>(module, "Foreseen")
         .def(py::init<const ChangeSet&>(), py::arg("initial"))
         .def("add", &Foreseen::add, py::arg("changes"));
@@ -185,18 +193,33 @@ void bind_renderer(py::module_& module) {
         .def(
             "update",
             [](Renderer& renderer, const ChangeSet& changes, const std::optional<Camera>& camera,
-               const std::optional<Progress>& progress, bool keep_history) {
-                return statistics(run_update(renderer, changes, camera, keep_history, progress));
+               const std::optional<Progress>& progress, bool keep_history,
+               const std::vector<std::pair<std::optional<Camera>, bool>>& more_views) {
+                std::vector<ViewUpdate> views{{camera, keep_history}};
+                for (const auto& [its_camera, keep] : more_views)
+                    views.push_back({its_camera, keep});
+                const std::vector<UpdateReport> reports =
+                    run_update(renderer, changes, views, progress);
+                py::dict first = statistics(reports[0]);
+                py::list more;
+                for (std::size_t v = 1; v < reports.size(); ++v)
+                    more.append(statistics(reports[v]));
+                first["more_views"] = more;
+                return first;
             },
             py::arg("changes"), py::arg("camera") = py::none(), py::arg("on_progress") = py::none(),
-            py::kw_only(), py::arg("keep_history") = true)
-        .def("beauty",
-             [](const py::object& self) {
-                 const film::Film& film = self.cast<const Renderer&>().film();
-                 return read_only(self, film.beauty(), {film.height(), film.width(), 4});
-             })
-        .def("aov", &aov_array, py::arg("name"))
-        .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"))
+            py::kw_only(), py::arg("keep_history") = true,
+            py::arg("more_views") = std::vector<std::pair<std::optional<Camera>, bool>>{})
+        .def("add_view", &Renderer::add_view, py::arg("camera"), py::arg("settings"))
+        .def(
+            "beauty",
+            [](const py::object& self, std::size_t view) {
+                const film::Film& film = film_of(self.cast<const Renderer&>(), view);
+                return read_only(self, film.beauty(), {film.height(), film.width(), 4});
+            },
+            py::arg("view") = 0)
+        .def("aov", &aov_array, py::arg("name"), py::arg("view") = 0)
+        .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"), py::arg("view") = 0)
         .def("validate", &Renderer::validate);
 }
 

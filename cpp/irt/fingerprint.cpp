@@ -126,7 +126,7 @@ std::string numeric_fingerprint(const std::string& isa) {
     settings.aovs = {film::Aov::Depth, film::Aov::Normal, film::Aov::Position};
     Renderer renderer(Camera{}, settings, options);
     cells::Control control;
-    renderer.update(fixed_scene(), std::nullopt, false, control);
+    renderer.update(fixed_scene(), {{std::nullopt, false}}, control);
     const film::Film& film = renderer.film();
     const std::size_t pixels = 48 * 48;
     XXH3_64bits_update(&state, film.beauty(), pixels * 4 * sizeof(float));

@@ -2,6 +2,7 @@
 #include "irt/renderer.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include "irt/math/stopwatch.h"
 #include "irt/scene/equality.h"
@@ -33,88 +34,116 @@ Renderer::Renderer(const Camera& camera, const ViewSettings& settings,
 
 Renderer::Renderer(const FloatState& /*while_constructing*/, const Camera& camera,
                    const ViewSettings& settings, const RendererOptions& options)
-    : options_(options),
-      scene_(options.render_origin),
-      intersector_(options.isa, options.threads),
-      view_(camera, settings, options.render_origin) {}
+    : options_(options), scene_(options.render_origin), intersector_(options.isa, options.threads) {
+    views_.emplace_back(new ViewState{View(camera, settings, options.render_origin)});
+}
 
-UpdateReport Renderer::update(const ChangeSet& changes, const std::optional<Camera>& camera,
-                              bool keep_history, cells::Control& control) {
+void Renderer::add_view(const Camera& camera, const ViewSettings& settings) {
     const FloatState ieee;
     const Exclusive exclusive(updating_);
-    UpdateReport report;
+    views_.emplace_back(new ViewState{View(camera, settings, options_.render_origin)});
+}
+
+std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
+                                           const std::vector<ViewUpdate>& views,
+                                           cells::Control& control) {
+    const FloatState ieee;
+    const Exclusive exclusive(updating_);
+    if (views.size() != views_.size())
+        throw std::invalid_argument("an update tells something of each view");
+    std::vector<UpdateReport> reports(views.size());
     Stopwatch watch;
-    const bool camera_changed = camera && !same(*camera, view_.camera());
-    const bool first = scene_.version() == 0 && !film_is_current_;
-    const std::vector<LightSlot> old_lights = scene_.lights();
-    if (camera_changed) View::check(*camera);
-    const AppliedChanges applied = scene_.apply(changes);
-    if (camera_changed) view_.set_camera(*camera);
-    report.apply_seconds = watch.lap();
-    report.all_rays = film_rays_;
-    const bool was_current = film_is_current_;
-    if (was_current && applied.empty() && !camera_changed) {
-        view_.nothing_retraced();
-        return report;
+    std::vector<bool> camera_changed, was_current;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        const std::optional<Camera>& camera = views[v].camera;
+        camera_changed.push_back(camera && !same(*camera, views_[v]->view.camera()));
+        was_current.push_back(views_[v]->film_is_current);
+        if (camera_changed[v]) View::check(*camera);
     }
+    SceneUpdate scene;
+    scene.first = !committed_;
+    scene.old_lights = scene_.lights();
+    scene.applied = scene_.apply(changes);
+    reports[0].apply_seconds = watch.lap();
 
-    // Whatever throws from here on leaves the film to be made anew, and the trees to catch up.
-    film_is_current_ = false;
-    const std::vector<trace::Box> old_boxes = update::former_boxes(intersector_, applied);
-    uncommitted_.insert(uncommitted_.end(), applied.geometry.begin(), applied.geometry.end());
-    if (!uncommitted_.empty() || first) intersector_.commit(scene_, uncommitted_);
+    // Whatever throws from here on leaves films to be made anew, and the trees to catch up.
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        if (camera_changed[v]) views_[v]->view.set_camera(*views[v].camera);
+        if (camera_changed[v] || !scene.applied.empty()) views_[v]->film_is_current = false;
+    }
+    scene.old_boxes = update::former_boxes(intersector_, scene.applied);
+    uncommitted_.insert(uncommitted_.end(), scene.applied.geometry.begin(),
+                        scene.applied.geometry.end());
+    if (!uncommitted_.empty() || scene.first) intersector_.commit(scene_, uncommitted_);
     uncommitted_.clear();
-    intersector_.release_meshes(applied.rebound);
-    report.bvh_seconds = watch.lap();
+    intersector_.release_meshes(scene.applied.rebound);
+    committed_ = true;
+    reports[0].bvh_seconds = watch.lap();
 
+    scene.foreseen = !options_.foreseen || scene.first ||
+                     options_.foreseen->covers(scene_, scene.applied, scene.old_lights);
+    if (!scene.foreseen) options_.foreseen = nullptr;
+    control.views = static_cast<int>(views.size());
+    for (std::size_t v = 0; v < views.size() && !control.stop; ++v) {
+        control.begin_view(static_cast<int>(v));
+        update_view(*views_[v], scene, was_current[v], camera_changed[v], views[v].keep_history,
+                    control, reports[v]);
+    }
+    for (std::size_t v = 0; v < views.size(); ++v) reports[v].stopped = !views_[v]->film_is_current;
+    return reports;
+}
+
+void Renderer::update_view(ViewState& state, const SceneUpdate& scene, bool was_current,
+                           bool camera_changed, bool keep_history, cells::Control& control,
+                           UpdateReport& report) {
+    View& view = state.view;
+    report.all_rays = state.film_rays;
+    if (state.film_is_current) return view.nothing_retraced();
+    Stopwatch watch;
     report.traced = true;
-    const bool foreseen =
-        !options_.foreseen || first || options_.foreseen->covers(scene_, applied, old_lights);
-    if (!foreseen) options_.foreseen = nullptr;
-    if (was_current && !camera_changed && foreseen && view_.has_history()) {
-        const update::Plan plan =
-            update::make_plan(scene_, intersector_, view_.grid(), applied, old_boxes, old_lights);
+    const bool first = !std::exchange(state.begun, true);
+    if (was_current && !camera_changed && scene.foreseen && view.has_history()) {
+        const update::Plan plan = update::make_plan(
+            scene_, intersector_, view.grid(), scene.applied, scene.old_boxes, scene.old_lights);
         report.plan_seconds = watch.lap();
-        film_is_current_ = view_.update(scene_, intersector_, plan, options_.threads,
-                                        options_.cell_order, options_.cost_model, report.cells);
-        if (film_is_current_) {
-            backoff_.update_paid();
+        state.film_is_current = view.update(scene_, intersector_, plan, options_.threads,
+                                            options_.cell_order, options_.cost_model, report.cells);
+        if (state.film_is_current) {
+            state.backoff.update_paid();
         } else {
-            backoff_.update_failed();
+            state.backoff.update_failed();
             report.restart = "cost: a full trace is cheaper than this update";
             report.cells = {};
         }
     } else if (!first) {
         report.restart = camera_changed      ? "camera changed"
                          : !was_current      ? "the last update did not end"
-                         : !foreseen         ? "something changed that was not foreseen"
+                         : !scene.foreseen   ? "something changed that was not foreseen"
                          : !options_.history ? "no history is kept"
                                              : "cost: no history was recorded";
     }
-    if (!film_is_current_) {
-        const bool record = options_.history && keep_history && backoff_.record();
-        film_is_current_ = record
-                               ? view_.trace_and_record(scene_, intersector_,
-                                                        options_.foreseen.get(), options_.threads,
-                                                        options_.cell_order, control, report.cells)
-                               : view_.trace_all(scene_, intersector_, options_.threads,
-                                                 options_.cell_order, control, report.cells);
-        report.stopped = !film_is_current_;
+    if (!state.film_is_current) {
+        const bool record = options_.history && keep_history && state.backoff.record();
+        state.film_is_current =
+            record ? view.trace_and_record(scene_, intersector_, options_.foreseen.get(),
+                                           options_.threads, options_.cell_order, control,
+                                           report.cells)
+                   : view.trace_all(scene_, intersector_, options_.threads, options_.cell_order,
+                                    control, report.cells);
     }
     report.trace_seconds = watch.lap();
-    if (view_.has_history()) {
-        report.history = view_.history_size();
-        film_rays_ = report.history.rays;
+    if (view.has_history()) {
+        report.history = view.history_size();
+        state.film_rays = report.history.rays;
     } else {
-        film_rays_ = 0;
-        for (const CellReport& cell : report.cells) film_rays_ += cell.counts.rays.rays();
+        state.film_rays = 0;
+        for (const CellReport& cell : report.cells) state.film_rays += cell.counts.rays.rays();
     }
-    report.all_rays = film_rays_;
-    return report;
+    report.all_rays = state.film_rays;
 }
 
-film::PixelValue Renderer::brute_force_pixel(int x, int y) const {
-    return view_.brute_force_pixel(scene_, x, y);
+film::PixelValue Renderer::brute_force_pixel(int x, int y, std::size_t view) const {
+    return views_.at(view)->view.brute_force_pixel(scene_, x, y);
 }
 
 }  // namespace irt

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The facade: one scene, its trees, and a view of it.
+// The facade: one scene, its trees, and the views of it.
 #pragma once
 
 #include <atomic>
@@ -40,37 +40,67 @@ struct UpdateReport {
     CellReports cells;
 };
 
+/// What an update is told of one view.
+struct ViewUpdate {
+    std::optional<Camera> camera;  ///< empty: as it was
+    /// False: a full trace records nothing, for the caller knows that the next update could not use
+    /// it.
+    bool keep_history = true;
+};
+
 class Renderer {
   public:
     Renderer(const Camera& camera, const ViewSettings& settings, const RendererOptions& options);
 
-    /// Applies `changes` and `camera` and brings the film up to them. An update that changes
-    /// nothing traces nothing. Throws std::invalid_argument on records that cannot be rendered;
-    /// nothing is then applied. A stopped update leaves the last whole film; the next one makes up
-    /// for it. `keep_history` false: a full trace records nothing, for the caller knows that the
-    /// next update could not use it. Throws std::logic_error if called while an update runs.
-    UpdateReport update(const ChangeSet& changes, const std::optional<Camera>& camera,
-                        bool keep_history, cells::Control& control);
+    /// Adds another view of the same scene, with a history of its own. Its films are those of a
+    /// renderer that has it alone, and the same options.
+    void add_view(const Camera& camera, const ViewSettings& settings);
+    [[nodiscard]] std::size_t view_count() const { return views_.size(); }
 
-    [[nodiscard]] const film::Film& film() const { return view_.film(); }
-    [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y) const;
-    /// For tests: checks all that holds of a history after an update, where one is kept. Throws
+    /// Applies `changes` and brings every view's film up to them and to its camera; `views` has one
+    /// entry a view, and so has the result (time spent on the scene is the first one's). Where
+    /// nothing changed nothing is traced. Throws std::invalid_argument on records that cannot be
+    /// rendered; nothing is then applied. A stopped update leaves the last whole films; the next
+    /// one makes up for it. Throws std::logic_error if called while an update runs.
+    std::vector<UpdateReport> update(const ChangeSet& changes, const std::vector<ViewUpdate>& views,
+                                     cells::Control& control);
+
+    [[nodiscard]] const film::Film& film(std::size_t view = 0) const {
+        return views_.at(view)->view.film();
+    }
+    [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y, std::size_t view = 0) const;
+    /// For tests: checks all that holds of the histories after an update, where any is kept. Throws
     /// std::logic_error naming the first invariant that is broken, and where.
     void validate() const;
 
   private:
+    struct ViewState {
+        View view;
+        bool begun = false;  ///< it was rendered before, or tried
+        bool film_is_current = false;
+        update::Backoff backoff{};
+        std::uint64_t film_rays = 0;
+    };
+    /// What an update changed of the scene, for every view alike.
+    struct SceneUpdate {
+        AppliedChanges applied;
+        std::vector<trace::Box> old_boxes;
+        std::vector<LightSlot> old_lights;
+        bool first, foreseen;
+    };
     Renderer(const FloatState& while_constructing, const Camera& camera,
              const ViewSettings& settings, const RendererOptions& options);
+    void update_view(ViewState& state, const SceneUpdate& scene, bool was_current,
+                     bool camera_changed, bool keep_history, cells::Control& control,
+                     UpdateReport& report);
 
     RendererOptions options_;
     Scene scene_;
     trace::Intersector intersector_;
-    View view_;
+    std::vector<std::unique_ptr<ViewState>> views_;
     std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
-    bool film_is_current_ = false;
-    update::Backoff backoff_;
+    bool committed_ = false;                  ///< the trees have been built
     std::atomic<bool> updating_ = false;
-    std::uint64_t film_rays_ = 0;
 };
 
 }  // namespace irt

@@ -61,7 +61,7 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
         const update::CellUpdate cell(shading, intersector, nothing, history_->table, trees, lists);
         history::SampleIndex sample = 0;
         scratch.counts = {};
-        const auto [dx, dy] = cells::cell_offset(k);
+        const auto [dx, dy] = settings_.first_pixel(k);
         for (int y = dy; y < settings_.height; y += cells::cell_stride)
             for (int x = dx; x < settings_.width; x += cells::cell_stride) {
                 const history::SampleIndex first = sample;
@@ -90,7 +90,9 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
 
 void Renderer::validate() const {
     const FloatState ieee;
-    if (film_is_current_ && view_.has_history()) view_.validate(scene_, intersector_);
+    for (const std::unique_ptr<ViewState>& state : views_)
+        if (state->film_is_current && state->view.has_history())
+            state->view.validate(scene_, intersector_);
 }
 
 }  // namespace irt

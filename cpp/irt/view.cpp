@@ -28,9 +28,14 @@ constexpr int max_depth = 64;
 /// share a place that is always flagged.
 constexpr std::size_t samples_a_path = 8;
 
-ViewSettings checked(const ViewSettings& s) {
+ViewSettings checked(ViewSettings s) {
     if (s.width < 1 || s.height < 1 || s.width > max_side || s.height > max_side)
         throw std::invalid_argument("image size must be 1 to 65536 a side");
+    if (s.frame_width == 0) s.frame_width = s.width;
+    if (s.frame_height == 0) s.frame_height = s.height;
+    if (s.frame_width < 1 || s.frame_height < 1 || s.frame_width > max_side ||
+        s.frame_height > max_side || std::abs(s.x) > max_side || std::abs(s.y) > max_side)
+        throw std::invalid_argument("the full frame must be 1 to 65536 pixels a side");
     if (s.samples < 1 || s.samples > max_samples)
         throw std::invalid_argument("samples must be 1 to 4096");
     if (s.shade.max_depth < 0 || s.shade.max_depth > max_depth)
@@ -61,7 +66,7 @@ void for_each_pixel_in_row(const ViewSettings& settings, cells::CellGroup group,
                            Body&& body) {
     for (int block_x = 0; block_x < settings.width; block_x += cells::cell_stride)
         for (const int cell : group) {
-            const auto [dx, dy] = cells::cell_offset(cell);
+            const auto [dx, dy] = settings.first_pixel(cell);
             const int x = block_x + dx, y = row * cells::cell_stride + dy;
             if (x < settings.width && y < settings.height)
                 body(static_cast<std::size_t>(cell), x, y);
@@ -95,13 +100,21 @@ shade::RayCone cone_of(const Camera& camera, const ViewSettings& settings) {
         return std::sqrt(world.dot(world));
     };
     const double side =
-        std::sqrt(length({(right - left) / settings.width, 0, 0}) *
-                  length({0, (top - bottom) / settings.height, 0}) / settings.samples);
+        std::sqrt(length({(right - left) / settings.frame_width, 0, 0}) *
+                  length({0, (top - bottom) / settings.frame_height, 0}) / settings.samples);
     if (camera.orthographic) return {side, 0};
-    return {0, side / length({0, 0, -1})};
+    return {side * camera.near, side / length({0, 0, -1})};  // rays start at the near plane
 }
 
 }  // namespace
+
+cells::CellOffset ViewSettings::first_pixel(int cell) const {
+    const auto [dx, dy] = cells::cell_offset(cell);
+    const auto on_film = [](int offset, int start) {
+        return ((offset - start) % cells::cell_stride + cells::cell_stride) % cells::cell_stride;
+    };
+    return {on_film(dx, x), on_film(dy, y)};
+}
 
 std::size_t HistorySize::all_bytes() const {
     std::size_t sum = 0;
@@ -123,6 +136,8 @@ void View::check(const Camera& camera) {
     for (const double edge : w)
         if (!std::isfinite(edge)) throw std::invalid_argument("camera: window is not finite");
     if (w[0] == w[1] || w[2] == w[3]) throw std::invalid_argument("camera: window is empty");
+    if (!(camera.near >= 0 && std::isfinite(camera.near) && camera.far > camera.near))
+        throw std::invalid_argument("camera: near must be 0 or more, and below far");
     (void)checked_inverse(camera.world_from_camera, "camera");
 }
 
@@ -138,14 +153,22 @@ void View::set_camera(const Camera& camera) {
 
 trace::Ray View::primary_ray(int x, int y, int sample) const {
     const V2d& offset = sample_offsets_[static_cast<std::size_t>(sample)];
-    const double u = (x + offset.x) / settings_.width, v = (y + offset.y) / settings_.height;
+    const double u = (settings_.x + x + offset.x) / settings_.frame_width,
+                 v = (settings_.y + y + offset.y) / settings_.frame_height;
     const auto& [left, right, bottom, top] = camera_.window;
     const V3d p{left + (right - left) * u, top + (bottom - top) * v, -1};
+    const double near = camera_.near;
     if (camera_.orthographic)
-        return trace::make_ray(V3f(transform_point(render_from_camera_, {p.x, p.y, 0})),
-                               V3f(transform_direction(render_from_camera_, {0, 0, -1})));
-    return trace::make_ray(eye_, V3f(transform_direction(render_from_camera_, p)));
+        return trace::make_ray(V3f(transform_point(render_from_camera_, {p.x, p.y, -near})),
+                               V3f(transform_direction(render_from_camera_, {0, 0, -1})),
+                               primary_reach());
+    const V3f start = near > 0 ? V3f(transform_point(render_from_camera_, p * near)) : eye_;
+    return trace::make_ray(start, V3f(transform_direction(render_from_camera_, p)),
+                           primary_reach());
 }
+
+/// t_max of primary rays: their directions are 1 deep, and they start at the near plane.
+float View::primary_reach() const { return static_cast<float>(camera_.far - camera_.near); }
 
 /// A pixel from its samples: sample(s, first) gives the beauty of sample s and what it sees first.
 template <class Sample>
@@ -302,11 +325,13 @@ void View::record_group(cells::CellGroup group, cells::Control& control,
     };
     const int pilot = group.front();
     trees(pilot) = history::RayTrees(casts_shadows, emits);
+    trees(pilot).root_reach = primary_reach();
     for_each_pixel(settings_, group.first(1), control, record);
     const cells::CellGroup others = group.subspan(1);
     block.open(others.size() * history::RayTrees::bytes_like(trees(pilot)));
     for (const int cell : others) {
         trees(cell) = history::RayTrees(casts_shadows, emits, &block);
+        trees(cell).root_reach = primary_reach();
         trees(cell).reserve_like(trees(pilot));
     }
     block.seal();
@@ -328,8 +353,7 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
     }
     const auto write = [&](std::size_t k) {
         Stopwatch watch;
-        // Where lights moved, every sample that sees anything was walked.
-        write_pixels(k, cells[k], plan.lights_differ && !plan.lights_moved);
+        write_pixels(k, cells[k], plan.lights_differ);
         reports[k].film = watch.lap();
         reports[k].counts = cells[k].counts();
     };
@@ -401,7 +425,7 @@ void View::run(update::CellUpdate& cell, CellReport& report) {
 
 /// Writes the pixels of cell `k` whose samples were walked; `all_colors`: of all others the colour.
 void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors) {
-    const auto [dx, dy] = cells::cell_offset(static_cast<int>(k));
+    const auto [dx, dy] = settings_.first_pixel(static_cast<int>(k));
     const int columns = (settings_.width - dx + cells::cell_stride - 1) / cells::cell_stride;
     const auto samples = static_cast<history::SampleIndex>(settings_.samples);
     const auto pixel_of = [&](history::SampleIndex sample) {

@@ -20,11 +20,20 @@
 
 namespace irt {
 
+/// The film is the data window: `width` by `height` pixels whose upper left one is pixel (`x`, `y`)
+/// of the full frame, which `frame_width` and `frame_height` tell the size of (0: that of the
+/// film). It may reach beyond the frame. Cells and pixels are counted on the full frame (DESIGN 3,
+/// rule 10), so that a pixel has the same value in whatever window it is seen.
 struct ViewSettings {
     int width = 960, height = 540;
+    int x = 0, y = 0;
+    int frame_width = 0, frame_height = 0;
     int samples = 1;  ///< a pixel
     shade::Settings shade;
     std::vector<film::Aov> aovs;
+
+    /// The film's first pixel of a cell.
+    [[nodiscard]] cells::CellOffset first_pixel(int cell) const;
 };
 
 /// What a cell did in an update, and processor seconds by phase. Of an initial step the seconds are
@@ -121,6 +130,8 @@ class View {
     void flag_paths(const update::Plan& plan, int threads);
     static void run(update::CellUpdate& cell, CellReport& report);
     void write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors);
+
+    [[nodiscard]] float primary_reach() const;
 
     Camera camera_;
     ViewSettings settings_;

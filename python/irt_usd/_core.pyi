@@ -252,21 +252,43 @@ class Light:
     """A delta light; directions and positions in world space, energy scene-linear RGB."""
 
     @staticmethod
-    def distant(direction: Vec3, irradiance: Vec3, casts_shadows: bool = True) -> Light:
-        """`direction` is the way the light travels; `irradiance` at normal incidence."""
+    def distant(
+        direction: Vec3,
+        irradiance: Vec3,
+        casts_shadows: bool = True,
+        *,
+        modifiers: dict[str, Any] = ...,
+    ) -> Light:
+        """`direction` is the way the light travels; `irradiance` at normal incidence.
+
+        `modifiers`, of a point light too: profile (uniform, facing, round), axis (a point's main
+        direction) and side (across it; unit, world space), diffuse, specular, cone_angle (degrees),
+        cone_softness, focus, focus_tint, ies (vertical angles, horizontal angles, values by
+        horizontal and vertical angle), shadow_color, shadow_distance, unlit (paths of objects)."""
     @staticmethod
-    def point(position: Vec3, intensity: Vec3, casts_shadows: bool = True) -> Light:
-        """`intensity` is radiant intensity: irradiance is intensity / distance²."""
+    def point(
+        position: Vec3,
+        intensity: Vec3,
+        casts_shadows: bool = True,
+        *,
+        modifiers: dict[str, Any] = ...,
+    ) -> Light:
+        """`intensity` is the greatest radiant intensity: irradiance is intensity / distance²."""
+    @staticmethod
+    def environment(radiance: Vec3) -> Light:
+        """What rays see that meet nothing; it lights no surface."""
 
 class Camera:
     """`window` is (left, right, bottom, top) of the image on camera space's plane z = -1
-    (perspective), or in camera units (orthographic). Camera looks along -z, y up."""
+    (perspective), or in camera units (orthographic). Camera looks along -z, y up. Primary rays see
+    what lies between the depths `clipping` (near, at least 0; far), along -z in camera units."""
 
     def __init__(
         self,
         world_from_camera: NDArray[np.float64],
         window: tuple[float, float, float, float],
         orthographic: bool = False,
+        clipping: tuple[float, float] = ...,
     ) -> None: ...
 
 class ChangeSet:
@@ -297,7 +319,9 @@ class ChangeSet:
 class ViewSettings:
     """What a view renders. `samples` a pixel; `max_depth` counts bounces after the primary ray;
     a branch is cut when its throughput's largest channel falls below about `throughput_cutoff`;
-    surfaces of at most `mirror_roughness` spawn a mirror ray. `aovs` from AOVS."""
+    surfaces of at most `mirror_roughness` spawn a mirror ray. `aovs` from AOVS. The film is a
+    window on the full frame, of `frame` pixels ((0, 0): the film's own): its upper left pixel is
+    the full frame's pixel `start`, inside or not. A pixel is the same in every window."""
 
     def __init__(
         self,
@@ -308,6 +332,8 @@ class ViewSettings:
         throughput_cutoff: float = 0.0009765625,
         mirror_roughness: float = 0.1,
         aovs: Sequence[str] = (),
+        start: tuple[int, int] = (0, 0),
+        frame: tuple[int, int] = (0, 0),
     ) -> None: ...
 
 AOVS: tuple[str, ...]
@@ -322,8 +348,8 @@ class Foreseen:
         """A later frame's changes; to be called in the order of the frames."""
 
 class Renderer:
-    """A scene and one view of it. Throws ValueError on records that cannot be rendered, naming the
-    path; nothing is then applied."""
+    """A scene and a view of it, or several. Throws ValueError on records that cannot be
+    rendered, naming the path; nothing is then applied."""
 
     def __init__(
         self,
@@ -351,6 +377,7 @@ class Renderer:
         on_progress: Callable[[float], None] | None = None,
         *,
         keep_history: bool = True,
+        more_views: Sequence[tuple[Camera | None, bool]] = (),
     ) -> dict[str, Any]:
         """Applies `changes` (and a changed camera), renders what they require, and returns the
         update's statistics: `restart` (why the update was a full trace; None if it was none, or the
@@ -363,17 +390,22 @@ class Renderer:
         run on all threads share the time as they share the processors; of a full trace all is
         trace), `cells` {rays: [64], seconds of their threads: [64]}.
 
+        `more_views`: camera and keep_history of every added view; theirs are the statistics in the
+        list `more_views`. Time spent on the scene is told of the first view alone.
+
         `keep_history` False: a full trace records nothing, for the next update could not use it.
         Polls signals. `on_progress` gets the share done, at most 20 times a second; what it raises
         stops a full trace, and the last whole film stays. An incremental update runs to its end.
         Raises RuntimeError when called while an update runs."""
-    def beauty(self) -> NDArray[np.float32]:
+    def add_view(self, camera: Camera, settings: ViewSettings) -> None:
+        """Another view of the scene, with a history of its own; views are numbered from 0."""
+    def beauty(self, view: int = 0) -> NDArray[np.float32]:
         """(height, width, 4) RGBA, scene-linear, row 0 on top; a read-only view of the film,
         valid until the next update."""
-    def aov(self, name: str) -> NDArray[np.float32] | NDArray[np.uint32]:
+    def aov(self, name: str, view: int = 0) -> NDArray[np.float32] | NDArray[np.uint32]:
         """(height, width) depth and objectId (uint32), (height, width, 3) the others."""
     def brute_force_pixel(
-        self, x: int, y: int
+        self, x: int, y: int, view: int = 0
     ) -> dict[str, NDArray[np.float32] | NDArray[np.uint32]]:
         """The pixel by the brute-force twin: {"beauty": (4,), aov: ...}."""
     def validate(self) -> None:

@@ -2,13 +2,15 @@
 """Lights: UsdLux's units as a delta light's, and what of a light is not rendered."""
 
 from math import cos, pi, radians, sin
+from pathlib import Path
 
+import numpy as np
 import pytest
 from pxr import UsdLux
 
 from conftest import MakeShot, ReadShot
 from irt_usd.stage import LightState, ReadOptions
-from irt_usd.stage.lights import CAMERA_LIGHT
+from irt_usd.stage.lights import CAMERA_LIGHT, dome_directions
 
 UNIT = "float inputs:intensity = 1\n"
 OPS = 'uniform token[] xformOpOrder = ["xformOp:{}"]\n'
@@ -126,12 +128,8 @@ def test_shadow_enable(shot: MakeShot) -> None:
 @pytest.mark.parametrize(
     ("schema", "line"),
     [
-        ("", "float inputs:diffuse = 0.5"),
-        ("", "float inputs:specular = 0"),
-        ("ShapingAPI", "float inputs:shaping:cone:angle = 30"),
-        ("ShapingAPI", "asset inputs:shaping:ies:file = @a.ies@"),
-        ("ShadowAPI", "color3f inputs:shadow:color = (1, 0, 0)"),
-        ("", "bool collection:lightLink:includeRoot = 0"),
+        ("ShapingAPI", "float inputs:shaping:ies:angleScale = 0.5"),
+        ("ShadowAPI", "float inputs:shadow:falloff = 1"),
         ("", "rel collection:shadowLink:excludes = </S>"),
         ("", "rel light:filters = </F>"),
     ],
@@ -194,14 +192,13 @@ def test_visibility_of_lights(shot: MakeShot) -> None:
     assert made.read(2).hidden == {"/L"}
 
 
-@pytest.mark.parametrize("kind", ["RectLight", "DomeLight", "DiskLight", "CylinderLight"])
-def test_other_lights_give_way_to_the_camera_light(shot: MakeShot, kind: str) -> None:
-    made = shot(light(kind, UNIT))
+def test_other_lights_give_way_to_the_camera_light(shot: MakeShot) -> None:
+    made = shot(light("PortalLight", UNIT))
     state = made.read().lights[CAMERA_LIGHT]
     assert state.energy == (pi, pi, pi)
     assert state.aim == (0, 0, -1)
     assert made.reader.camera_light
-    assert any(f"{kind} lights" in text for text in made.notices("unsupported"))
+    assert any("PortalLight lights" in text for text in made.notices("unsupported"))
     assert any("light at the camera" in text for text in made.notices("mentioned"))
 
 
@@ -230,4 +227,135 @@ def test_core_record(shot: MakeShot) -> None:
     from irt_usd import _core as core
 
     for kind in ("SphereLight", "DistantLight"):
-        assert isinstance(lit(shot(light(kind, UNIT))).core(), core.Light)
+        records = lit(shot(light(kind, UNIT))).core()
+        assert list(records) == ["/L"]
+        assert isinstance(records["/L"], core.Light)
+
+
+SCALE = "float3 xformOp:scale = (2, 3, 4)\n" + OPS.format("scale")
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "power", "normalized"),
+    [
+        ("RectLight", "float inputs:width = 2\nfloat inputs:height = 3\n", 6, 1),
+        ("RectLight", "float inputs:width = 2\nfloat inputs:height = 3\n" + SCALE, 36, 1),
+        ("DiskLight", "float inputs:radius = 2\n", 4 * pi, 1),
+        ("DiskLight", "float inputs:radius = 2\n" + SCALE, 24 * pi, 1),
+        ("CylinderLight", "float inputs:radius = 2\nfloat inputs:length = 3\n", 12, 1 / pi),
+        ("DomeLight", "", 1, 1),
+    ],
+)
+def test_area_intensities(
+    shot: MakeShot, kind: str, size: str, power: float, normalized: float
+) -> None:
+    assert energy(shot(light(kind, UNIT + size))) == pytest.approx(power)
+    normal = shot(light(kind, UNIT + size + "bool inputs:normalize = 1"), name="n.usda")
+    assert energy(normal) == pytest.approx(normalized)
+
+
+def test_modifiers(shot: MakeShot) -> None:
+    body = (
+        UNIT
+        + """
+float inputs:diffuse = 0.5
+float inputs:specular = 0
+float inputs:shaping:cone:angle = 30
+float inputs:shaping:cone:softness = 0.25
+float inputs:shaping:focus = 2
+color3f inputs:shadow:color = (1, 0, 0)
+float inputs:shadow:distance = 3
+"""
+    )
+    found = lit(shot(light("SphereLight", body))).modifiers
+    assert found == {
+        "diffuse": 0.5,
+        "specular": 0.0,
+        "cone_angle": 30.0,
+        "cone_softness": 0.25,
+        "focus": 2.0,
+        "shadow_color": (1.0, 0.0, 0.0),
+        "shadow_distance": 3.0,
+        "profile": "uniform",
+        "axis": (0.0, 0.0, -1.0),
+        "side": (1.0, 0.0, 0.0),
+    }
+    applied = shot(light("SphereLight", UNIT, "ShapingAPI"), name="applied.usda")
+    assert lit(applied).modifiers["cone_angle"] == 90
+
+
+def test_light_linking(shot: MakeShot) -> None:
+    """Collections that include collections, and what lies inside instances."""
+    body = (
+        'def Xform "Set" (prepend apiSchemas = ["CollectionAPI:key"])\n{\n'
+        "rel collection:key:includes = [</Set/A>, </I>]\n"
+        'def Sphere "A"\n{\n}\ndef Sphere "B"\n{\n}\n}\n'
+        'def Xform "I" (instanceable = true\nreferences = </P>)\n{\n}\n'
+        'class Xform "P"\n{\ndef Sphere "S"\n{\n}\n}\n'
+    )
+    line = (
+        "bool collection:lightLink:includeRoot = 0\n"
+        "rel collection:lightLink:includes = </Set.collection:key>\n"
+    )
+    made = shot(body + light("SphereLight", UNIT + line))
+    assert lit(made).modifiers["unlit"] == ("/Set/B",)
+    excludes = "rel collection:lightLink:excludes = </Set/A>"
+    made = shot(body + light("SphereLight", UNIT + excludes), name="x.usda")
+    assert lit(made).modifiers["unlit"] == ("/Set/A",)
+
+
+IES = """IESNA:LM-63-2002
+[TEST] made up
+TILT=NONE
+1 1000 2 3 1 1 2 0 0 0
+1 1 100
+0 45 90
+0
+100 50 0
+"""
+
+
+def test_ies(shot: MakeShot, tmp_path: Path) -> None:
+    (tmp_path / "a.ies").write_text(IES)
+    line = "asset inputs:shaping:ies:file = @./a.ies@\n"
+    web = lit(shot(light("SphereLight", UNIT + line))).modifiers["ies"]
+    assert web == ((0, 45, 90), (0,), (200, 100, 0))
+    normal = light("SphereLight", UNIT + line + "bool inputs:shaping:ies:normalize = 1")
+    vertical, _, values = lit(shot(normal, name="n.usda")).modifiers["ies"]
+    steps = np.radians((np.arange(9000) + 0.5) / 100)
+    curve = np.interp(np.degrees(steps), vertical, values)
+    mean = float(np.sum(curve * np.sin(steps)) * np.radians(0.01) / 2)
+    assert mean == pytest.approx(1, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("content", "what"),
+    [
+        (None, "No such file"),
+        ("hello", "no TILT= line"),
+        (IES.replace("NONE", "other.tlt"), "names another file"),
+        (IES.replace("100 50 0", "100"), "candelas are said to follow"),
+        (IES.replace("0 45 90", "0 45 45"), "do not ascend"),
+        (IES.replace("100 50 0", "x"), "expected numbers"),
+        (IES.replace("1 1 2 0", "1 2 2 0"), "expected 1 (type C)"),
+    ],
+)
+def test_bad_ies(shot: MakeShot, tmp_path: Path, content: str | None, what: str) -> None:
+    if content is not None:
+        (tmp_path / "a.ies").write_text(content)
+    made = shot(light("SphereLight", UNIT + "asset inputs:shaping:ies:file = @./a.ies@\n"))
+    assert not made.read().lights
+    (text,) = made.notices("skipped")
+    assert what in text
+    assert "/L.inputs:shaping:ies:file" in text
+
+
+def test_dome_is_a_sky_and_lights_that_share_its_irradiance(shot: MakeShot) -> None:
+    made = shot(light("DomeLight", UNIT), options=ReadOptions(dome_samples=64))
+    records = lit(made).core()
+    assert len(records) == 65
+    directions = np.array(dome_directions(64))
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1)
+    for normal in np.array([[0, 1, 0], [1, 0, 0], [0.6, 0, 0.8], [-0.48, 0.6, 0.64]]):
+        irradiance = np.maximum(-directions @ normal, 0).sum() * 4 * pi / 64
+        assert irradiance == pytest.approx(pi, rel=0.02)

@@ -25,8 +25,15 @@ constexpr CellOffset cell_offset(int k) { return {k % cell_stride, k / cell_stri
 struct Control {
     std::atomic<bool> stop = false;  ///< set to stop the update at its next step
     std::atomic<int> steps_done = 0, steps = 1;
+    std::atomic<int> views = 1, view = 0;  ///< updated one after the other
 
-    [[nodiscard]] double progress() const { return static_cast<double>(steps_done) / steps; }
+    void begin_view(int v) {
+        steps_done = 0;
+        view = v;
+    }
+    [[nodiscard]] double progress() const {
+        return (view + static_cast<double>(steps_done) / steps) / views;
+    }
 };
 
 /// A permutation of the cells: the order in which they are handed out. It shows in no result.

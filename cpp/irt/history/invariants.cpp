@@ -201,7 +201,7 @@ class Checker {
                         (kept.blocker < scene_.slot_count() && scene_.live(kept.blocker) &&
                          blocks(scene_, kept.blocker, ray)),
                     index, "the blocker of a shadow record is opaque and on its ray");
-            own *= shade::transmittance(kept);
+            own *= shade::shadowed(lights_[l].record, kept);
         }
         require(same_bits(trees_.columns[1 + l][at].own, V3f(own)), index,
                 "the own intensity is the response to the light");
@@ -263,7 +263,9 @@ class Checker {
                 const Node& node = trees_.nodes[branch];
                 sum = shade::add_scaled(
                     sum, node.weight,
-                    node.point == no_point ? V3f(0, 0, 0) : column[node.point].cumulative);
+                    node.point == no_point
+                        ? (c == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[c - 1].record))
+                        : column[node.point].cumulative);
             }
             require(same_bits(column[at].cumulative, sum), index,
                     "cumulative intensities are the sums of own ones and branches");

@@ -165,12 +165,12 @@ void RayTrees::set_hit(NodeIndex index, const trace::Hit& hit) {
     points[point].piece = hit.piece;
 }
 
-void RayTrees::settle(SampleIndex first, const End& end) {
+void RayTrees::settle(SampleIndex first, const End& end, const std::vector<V3f>& beyond) {
     settled_rays += rays() - end.rays;
     for (SampleIndex sample = first; sample < roots.size(); ++sample) {
         const PointIndex point = nodes[roots[sample]].point;
         for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c)
-            settled[c].push_back(point == no_point ? V3f(0, 0, 0) : columns[c][point].cumulative);
+            settled[c].push_back(point == no_point ? beyond[c] : columns[c][point].cumulative);
         roots[sample] = settled_bit | settled_count++;
     }
     for (LightNodes& light : lights) {

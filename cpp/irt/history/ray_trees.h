@@ -122,7 +122,8 @@ struct RayTrees {
 
     Array<NodeIndex> free_nodes;
     Array<PointIndex> free_points;
-    std::uint64_t shadow_rays = 0;  ///< light nodes that have a path
+    std::uint64_t shadow_rays = 0;                              ///< light nodes that have a path
+    float root_reach = std::numeric_limits<float>::infinity();  ///< t_max of primary rays
 
     RayTrees() = default;
     /// Empty trees under lights of which `casts_shadows` says which cast shadows.
@@ -149,7 +150,9 @@ struct RayTrees {
     void set_shadow_path(std::size_t light, PointIndex point, PathIndex path);
 
     [[nodiscard]] trace::Ray ray(NodeIndex node) const {
-        return {nodes[node].origin, nodes[node].direction};
+        const Node& n = nodes[node];
+        return {n.origin, n.direction,
+                n.parent & root_bit ? root_reach : std::numeric_limits<float>::infinity()};
     }
     /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
     void set_hit(NodeIndex node, const trace::Hit& hit);
@@ -161,8 +164,9 @@ struct RayTrees {
     };
     [[nodiscard]] End end() const { return {nodes.size(), points.size(), rays()}; }
     /// Keeps of the samples from `first` on, which were traced since `end`, their intensities
-    /// alone. Only where no node was freed since.
-    void settle(SampleIndex first, const End& end);
+    /// alone. Only where no node was freed since. `beyond`: by column, what rays see that meet
+    /// nothing.
+    void settle(SampleIndex first, const End& end, const std::vector<V3f>& beyond);
 
     /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
     bool mark(NodeIndex node, std::uint8_t what);

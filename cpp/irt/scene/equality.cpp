@@ -79,21 +79,39 @@ bool same(const Geometry& a, const Geometry& b) {
         a);
 }
 
+bool same(const IesWeb& a, const IesWeb& b) {
+    return same_bits(a.vertical, b.vertical) && same_bits(a.horizontal, b.horizontal) &&
+           same_bits(a.values, b.values);
+}
+
 bool same(const Light& a, const Light& b) {
-    return a.kind == b.kind && same_bits(a.direction, b.direction) &&
-           same_bits(a.position, b.position) && same_bits(a.energy, b.energy) &&
-           a.casts_shadows == b.casts_shadows;
+    return same_but_energy(a, b) && same_bits(a.energy, b.energy);
+}
+
+bool same_but_energy(const Light& a, const Light& b) {
+    return same_response(a, b) && a.unlit == b.unlit;
+}
+
+bool same_response(const Light& a, const Light& b) {
+    return same_rays(a, b) && a.profile == b.profile && same_bits(a.side, b.side) &&
+           same_bits(a.direction, b.direction) && same_bits(a.diffuse, b.diffuse) &&
+           same_bits(a.specular, b.specular) && same_bits(a.cone_angle, b.cone_angle) &&
+           same_bits(a.cone_softness, b.cone_softness) && same_bits(a.focus, b.focus) &&
+           same_bits(a.focus_tint, b.focus_tint) && same_bits(a.shadow_color, b.shadow_color) &&
+           (a.ies == b.ies || (a.ies && b.ies && same(*a.ies, *b.ies)));
 }
 
 bool same_rays(const Light& a, const Light& b) {
-    Light other = b;
-    other.energy = a.energy;
-    return same(a, other);
+    return a.kind == b.kind &&
+           (a.kind != LightKind::Distant || same_bits(a.direction, b.direction)) &&
+           same_bits(a.position, b.position) && a.casts_shadows == b.casts_shadows &&
+           same_bits(a.shadow_distance, b.shadow_distance);
 }
 
 bool same(const Camera& a, const Camera& b) {
     return same_bits(a.world_from_camera, b.world_from_camera) &&
-           a.orthographic == b.orthographic && same_bits(a.window, b.window);
+           a.orthographic == b.orthographic && same_bits(a.window, b.window) &&
+           same_bits(a.near, b.near) && same_bits(a.far, b.far);
 }
 
 }  // namespace irt

@@ -20,7 +20,11 @@ bool same(const Material& a, const Material& b);
 /// Whether both stop the same share of a shadow ray everywhere; false where that is hard to tell.
 bool same_tint(const Material& a, const Material& b);
 bool same(const Light& a, const Light& b);
-/// Whether the two cast the same rays: alike in all but energy.
+/// Whether the two are alike in all but energy.
+bool same_but_energy(const Light& a, const Light& b);
+/// Whether surfaces that both light respond to them alike, energy apart.
+bool same_response(const Light& a, const Light& b);
+/// Whether the two cast the same shadow rays from surfaces that both light.
 bool same_rays(const Light& a, const Light& b);
 bool same(const Camera& a, const Camera& b);
 

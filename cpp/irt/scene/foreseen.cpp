@@ -134,7 +134,8 @@ void Foreseen::add(const ChangeSet& changes) {
     for (const auto& [path, record] : changes.lights) {
         const auto known = lights_.find(path);
         lights_move_ = lights_move_ || !record || known == lights_.end() ||
-                       !same_rays(known->second, *record) || lit(known->second) != lit(*record);
+                       !same_but_energy(known->second, *record) ||
+                       lit(known->second) != lit(*record);
         if (record) lights_[path] = *record;
     }
 }
@@ -189,7 +190,7 @@ bool Foreseen::covers(const Scene& scene, const AppliedChanges& applied,
     const bool lights_stay =
         std::equal(old_lights.begin(), old_lights.end(), scene.lights().begin(),
                    scene.lights().end(), [](const LightSlot& a, const LightSlot& b) {
-                       return a.path == b.path && same_rays(a.record, b.record);
+                       return a.path == b.path && same_but_energy(a.record, b.record);
                    });
     return std::all_of(applied.geometry.begin(), applied.geometry.end(), foreseen) &&
            std::all_of(applied.former.begin(), applied.former.end(), former_foreseen) &&

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <variant>
@@ -164,23 +165,51 @@ struct Object {
     std::vector<std::string> face_materials = {};  ///< what Mesh::face_materials numbers
 };
 
-/// A delta light. `energy` is irradiance at normal incidence for a distant light and radiant
-/// intensity for a point light, in scene-linear RGB.
-enum class LightKind : std::uint8_t { Distant, Point };
+/// A photometric web: `values` by horizontal angle, then vertical angle (IES LM-63), as multiples
+/// of the light's energy. Vertical angles are from the light's axis, horizontal ones about it, in
+/// degrees, ascending.
+struct IesWeb {
+    std::vector<float> vertical, horizontal, values;
+};
+
+/// What a delta light that stands for an area light sends where: the area light's far field. A
+/// sphere's is uniform; a rectangle's or disk's falls with the cosine to its axis and is one-sided;
+/// a cylinder's falls with the sine to its length, `side`.
+enum class Profile : std::uint8_t { Uniform, Facing, Round };
+
+/// A delta light. `energy` is irradiance at normal incidence for a distant light and the greatest
+/// radiant intensity for a point light, in scene-linear RGB. An environment light lights no
+/// surface: it is what rays see that meet nothing, `energy` being its radiance.
+enum class LightKind : std::uint8_t { Distant, Point, Environment };
 struct Light {
     LightKind kind = LightKind::Distant;
-    V3d direction{0, 0, -1};  ///< world space, the way the light travels (Distant)
+    V3d direction{0, 0, -1};  ///< world space, unit: the way the light travels; a point's axis
     V3d position{0, 0, 0};    ///< world space (Point)
     V3f energy{1, 1, 1};
     bool casts_shadows = true;
+
+    Profile profile = Profile::Uniform;
+    V3d side{1, 0, 0};  ///< world space, unit, across `direction`
+    float diffuse = 1, specular = 1;
+    float cone_angle = 180, cone_softness = 0;  ///< degrees from the axis; a share of them
+    float focus = 0;
+    V3f focus_tint{0, 0, 0};
+    std::shared_ptr<const IesWeb> ies;  ///< may be null
+    V3f shadow_color{0, 0, 0};          ///< of shadows, as a share of the light
+    /// What is farther from the lit point casts no shadow; negative: any distance.
+    float shadow_distance = -1;
+    /// Paths of the objects that it does not light, ascending.
+    std::vector<std::string> unlit;
 };
 
 /// A camera. Camera space looks along -z, y up. `window` is (left, right, bottom, top) of the image
-/// on the plane z = -1 (perspective) or in camera units (orthographic).
+/// on the plane z = -1 (perspective) or in camera units (orthographic). Primary rays see what lies
+/// between the depths `near` (at least 0) and `far`, along -z in camera units.
 struct Camera {
     M44d world_from_camera;
     bool orthographic = false;
     std::array<double, 4> window{-1, 1, -1, 1};
+    double near = 0, far = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace irt

@@ -321,7 +321,7 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
             light_records_.erase(found);
         applied.lights.push_back(path);
     }
-    if (!applied.lights.empty()) order_lights();
+    if (!applied.lights.empty() || !prepared.objects.empty()) order_lights();
 
     if (!applied.empty()) ++version_;
     return applied;
@@ -458,9 +458,25 @@ void Scene::rank_objects() {
 
 void Scene::order_lights() {
     lights_.clear();
-    for (const auto& [path, light] : light_records_)
-        if (light.energy != V3f(0, 0, 0))
-            lights_.push_back({path, path_hash(path), light, light.position - render_origin_});
+    for (const auto& [path, light] : light_records_) {
+        if (light.energy == V3f(0, 0, 0)) continue;
+        LightSlot slot;
+        slot.path = path;
+        slot.id = path_hash(path);
+        slot.record = light;
+        slot.position_render = light.position - render_origin_;
+        slot.shaped = light.profile != Profile::Uniform || light.cone_angle < 180 ||
+                      light.focus > 0 || light.ies;
+        for (const std::string& object : light.unlit) {
+            for (const bool array : {false, true}) {
+                const auto found = object_indices_.find({object, array});
+                if (found == object_indices_.end()) continue;
+                if (slot.unlit.size() <= found->second) slot.unlit.resize(found->second + 1);
+                slot.unlit[found->second] = true;
+            }
+        }
+        lights_.push_back(std::move(slot));
+    }
 }
 
 }  // namespace irt

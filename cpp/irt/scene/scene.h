@@ -154,6 +154,13 @@ struct LightSlot {
     std::uint32_t id = 0;
     Light record;
     V3d position_render;  ///< render space, double
+    /// By index into all_objects(): those it does not light; may end before them.
+    std::vector<bool> unlit;
+    bool shaped = false;  ///< it does not send the same in all directions
+
+    [[nodiscard]] bool lights(std::uint32_t object) const {
+        return object >= unlit.size() || !unlit[object];
+    }
 };
 
 /// Entries of an array as they were.

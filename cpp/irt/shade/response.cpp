@@ -85,7 +85,7 @@ V3d fresnel(const Response& response, double c) {
 }
 
 V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_light,
-                    const V3d& to_eye) {
+                    const V3d& to_eye, double diffuse, double specular) {
     const double nl = normal.dot(to_light), ne = normal.dot(to_eye);
     if (!(nl > 0 && ne > 0)) return {0, 0, 0};
     const V3d half = normalized(to_light + to_eye);
@@ -93,9 +93,9 @@ V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_l
     const double c = std::max(to_eye.dot(half), 0.0);
     const V3d f = fresnel(response, c);
     const V3d lambert = response.diffuse * (one - f) * std::numbers::inv_pi;
-    V3d share = lambert + f * ggx(response.alpha, nh, nl, ne);
+    V3d share = lambert * diffuse + f * (ggx(response.alpha, nh, nl, ne) * specular);
     if (response.coat > 0)
-        share += V3d(coat_fresnel(response, c) * ggx(response.coat_alpha, nh, nl, ne));
+        share += V3d(coat_fresnel(response, c) * ggx(response.coat_alpha, nh, nl, ne) * specular);
     return share * nl;
 }
 

@@ -37,8 +37,9 @@ V3d fresnel(const Response& response, double c);
 
 /// BRDF times cosine for unit `normal`, `to_light`, `to_eye`; both directions in the normal's
 /// hemisphere, else 0.
+/// `diffuse` and `specular` scale what a light adds by the two.
 V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_light,
-                    const V3d& to_eye);
+                    const V3d& to_eye, double diffuse = 1, double specular = 1);
 
 /// How a surface passes rays on. A weight of 0 spawns no ray, and its direction is not set.
 struct Spawned {

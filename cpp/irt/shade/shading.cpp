@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/shade/shading.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "irt/math/libm.h"
+#include "irt/scene/emission.h"
 #include "irt/shade/footprint.h"
 #include "irt/shade/normal_map.h"
 #include "irt/trace/ray_origin.h"
@@ -17,8 +19,16 @@ namespace {
 trace::Ray ray_towards(const VisiblePoint& point, const LightSlot& light, const V3d& unit) {
     const V3f narrowed(unit);
     const V3f origin = offset_ray_origin(point.surface, V3d(narrowed));
-    if (light.record.kind == LightKind::Distant) return trace::make_ray(origin, narrowed);
-    return trace::make_ray(origin, V3f(light.position_render - V3d(origin)), 1.0f);
+    const float limit = light.record.shadow_distance;
+    if (light.record.kind == LightKind::Distant)
+        return limit < 0 ? trace::make_ray(origin, narrowed)
+                         : trace::make_ray(origin, narrowed, limit);
+    const V3d way = light.position_render - V3d(origin);
+    float t_max = 1;
+    if (limit >= 0)
+        t_max =
+            static_cast<float>(std::min(1.0, static_cast<double>(limit) / std::sqrt(way.dot(way))));
+    return trace::make_ray(origin, V3f(way), t_max);
 }
 
 }  // namespace
@@ -43,9 +53,9 @@ Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& co
 VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit,
                                     double travelled) const {
     const trace::SurfacePoint surface = surface_point(scene_, ray, hit);
-    VisiblePoint point{surface,      &responses_[surface.material],
-                       std::nullopt, normalized(V3d(ray.direction)),
-                       {},           {}};
+    VisiblePoint point{
+        surface, &responses_[surface.material],  std::nullopt, normalized(V3d(ray.direction)), {},
+        {},      scene_.object_index(hit.object)};
     if (varies_[surface.material]) shade_locally(ray, hit, travelled, point);
     const double side = point.surface.front ? 1 : -1;
     point.shading = point.surface.shading_normal * side;
@@ -75,16 +85,22 @@ FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) con
 
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
                                                  const LightSlot& light) const {
-    if (point.response().invisible) return std::nullopt;
+    const Light& record = light.record;
+    if (record.kind == LightKind::Environment || point.response().invisible ||
+        !light.lights(point.object))
+        return std::nullopt;
     const V3d to_light = towards(point.surface.position, light);
     const double squared = to_light.dot(to_light);
     if (!(squared > 0)) return std::nullopt;
     const V3d unit = divided(to_light, std::sqrt(squared));
     if (!(point.geometric.dot(unit) > 0)) return std::nullopt;
-    V3d response = reflected_share(point.response(), point.shading, unit, -point.direction);
-    if (light.record.kind == LightKind::Point) response = divided(response, squared);
+    V3d response =
+        reflected_share(point.response(), point.shading, unit, -point.direction,
+                        static_cast<double>(record.diffuse), static_cast<double>(record.specular));
+    if (record.kind == LightKind::Point) response = divided(response, squared);
+    if (light.shaped) response *= emission(record, -unit);
     if (V3f(response) == V3f(0, 0, 0)) return std::nullopt;
-    if (!light.record.casts_shadows) return LightSample{response, std::nullopt};
+    if (!record.casts_shadows) return LightSample{response, std::nullopt};
     return std::optional<LightSample>(std::in_place, response, ray_towards(point, light, unit));
 }
 
@@ -114,6 +130,12 @@ V3d transmittance(const trace::Occlusion& occlusion) {
             passed[c] = libm::exp2(-static_cast<double>(depth) / trace::depth_scale);
     }
     return passed;
+}
+
+V3d shadowed(const Light& light, const trace::Occlusion& occlusion) {
+    const V3d passed = transmittance(occlusion);
+    if (light.shadow_color == V3f(0, 0, 0)) return passed;
+    return passed + (V3d(1, 1, 1) - passed) * V3d(light.shadow_color);
 }
 
 }  // namespace irt::shade

@@ -24,6 +24,7 @@ struct VisiblePoint {
     std::optional<Response> local;  ///< else
     V3d direction;                  ///< unit, of the ray that sees it
     V3d shading, geometric;         ///< unit normals on the side the ray came from
+    std::uint32_t object = 0;       ///< index into Scene::all_objects()
 
     [[nodiscard]] const Response& response() const { return local ? *local : *uniform; }
 };
@@ -84,8 +85,8 @@ class Shading {
     /// From a position (render space) to a light, of any length, but for point lights the whole
     /// way.
     [[nodiscard]] static V3d towards(const V3d& position, const LightSlot& light) {
-        return light.record.kind == LightKind::Distant ? -light.record.direction
-                                                       : light.position_render - position;
+        return light.record.kind == LightKind::Point ? light.position_render - position
+                                                     : -light.record.direction;
     }
     /// The shadow ray from a point to a light.
     [[nodiscard]] trace::Ray shadow_ray(const VisiblePoint& point, const LightSlot& light) const;
@@ -111,6 +112,12 @@ class Shading {
 
 /// Share of light that passes along a shadow ray, by channel.
 V3d transmittance(const trace::Occlusion& occlusion);
+/// The same, a light's shadow colour standing for what does not pass.
+V3d shadowed(const Light& light, const trace::Occlusion& occlusion);
+/// What a ray that meets nothing sees of a light of unit energy.
+inline V3f seen_beyond(const Light& light) {
+    return light.kind == LightKind::Environment ? V3f(1, 1, 1) : V3f(0, 0, 0);
+}
 
 /// sum + weight * term, rounded once to single precision: how a branch joins its node.
 inline V3f add_scaled(const V3f& sum, const V3f& weight, const V3f& term) {

@@ -46,7 +46,11 @@ V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost, 
     V3f* columns = level(scratch, depth);
     std::fill(columns, columns + lights().size(), V3f(0, 0, 0));
     const trace::Hit hit = source_.nearest(ray, scratch.counts.queries);
-    if (!hit) return {0, 0, 0};
+    if (!hit) {
+        for (std::size_t l = 0; l < lights().size(); ++l)
+            columns[l] = seen_beyond(lights()[l].record);
+        return {0, 0, 0};
+    }
 
     const VisiblePoint point = shading_.visible_point(ray, hit, travelled);
     if (!scratch.first.hit && !point.response().invisible)
@@ -93,8 +97,8 @@ void Whitted<Source>::shade_lights(const VisiblePoint& point, V3f* columns,
         V3d response = sample->response;
         if (sample->shadow_ray) {
             ++scratch.counts.shadow;
-            response *=
-                transmittance(source_.occlusion(*sample->shadow_ray, scratch.counts.queries));
+            response *= shadowed(lights()[l].record,
+                                 source_.occlusion(*sample->shadow_ray, scratch.counts.queries));
         }
         columns[l] = V3f(response);
     }

@@ -103,7 +103,9 @@ void CellUpdate::settle(history::SampleIndex first, const history::RayTrees::End
             std::any_of(light.paths.begin() + static_cast<std::ptrdiff_t>(end.points),
                         light.paths.end(), reached))
             return;
-    trees_.settle(first, end);
+    std::vector<V3f> beyond;
+    for (std::size_t c = 0; c <= lights_.size(); ++c) beyond.push_back(seen_beyond(c));
+    trees_.settle(first, end, beyond);
 }
 
 // ---- detection (sections 2.3, 3.1, 4.2)
@@ -346,14 +348,14 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
 // ---- the walk (sections 2.5, 3.2)
 
 void CellUpdate::shade() {
-    if (plan_.lights_moved) light_new_lights();
+    if (plan_.lights_moved || plan_.lights_reshaped) light_new_lights();
     if (without(Structure::cumulative_flags))
         for (NodeIndex n = 0; n < trees_.nodes.size(); ++n)
             if (trees_.paths[n] != no_path) mark(n, mark_walk);
     for (const history::SampleIndex sample : lists_.walked) walk(trees_.roots[sample], 0, 0);
 }
 
-/// Lights every point by the lights that are new or moved (section 4.1, case 2).
+/// Lights every point by the lights that are new, moved or shaped otherwise (section 4.1, case 2).
 void CellUpdate::light_new_lights() {
     for (PointIndex p = 0; p < trees_.points.size(); ++p) {
         const NodeIndex node = trees_.points[p].node;
@@ -362,7 +364,7 @@ void CellUpdate::light_new_lights() {
         ++counts_.flagged;
         ++counts_.rays.shadings;
         for (std::size_t l = 0; l < lights_.size(); ++l)
-            if (!plan_.kept_lights[l]) respond(point, p, l);
+            if (!plan_.kept_lights[l] || plan_.reshaped_lights[l]) respond(point, p, l);
         mark(node, mark_walk);
     }
 }
@@ -430,7 +432,7 @@ void CellUpdate::respond(const ShadePoint& point, PointIndex at, std::size_t lig
     V3d response = sample->response;
     if (sample->shadow_ray) {
         if (trees_.lights[light].paths[at] == no_path) trace_shadow(*sample->shadow_ray, at, light);
-        response *= shade::transmittance(trees_.lights[light].occlusions[at]);
+        response *= shade::shadowed(lights_[light].record, trees_.lights[light].occlusions[at]);
     }
     own = V3f(response);
 }
@@ -554,7 +556,7 @@ void CellUpdate::combine_node(NodeIndex node) {
         V3f sum = column[at].own;
         for (int b = 0; b < count; ++b) {
             const V3f below = branches[b]->point == no_point
-                                  ? V3f(0, 0, 0)
+                                  ? seen_beyond(c)
                                   : column[branches[b]->point].cumulative;
             sum = shade::add_scaled(sum, branches[b]->weight, below);
         }
@@ -593,12 +595,17 @@ void CellUpdate::count_query(NodeIndex node) {
         ++counts_.rays.refracted;
 }
 
+/// What a ray that meets nothing sees, of a column.
+V3f CellUpdate::seen_beyond(std::size_t column) const {
+    return column == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[column - 1].record);
+}
+
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const std::uint32_t root = trees_.roots[sample];
     const bool settled = (root & history::settled_bit) != 0;
     const std::uint32_t at = settled ? root & ~history::settled_bit : trees_.nodes[root].point;
-    if (!settled && at == no_point) return {0, 0, 0};
     const auto cumulative = [&](std::size_t column) {
+        if (!settled && at == no_point) return V3d(seen_beyond(column));
         return V3d(settled ? trees_.settled[column][at] : trees_.columns[column][at].cumulative);
     };
     V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);

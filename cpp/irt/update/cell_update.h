@@ -82,6 +82,7 @@ class CellUpdate {
     [[nodiscard]] const UpdateCounts& counts() const { return counts_; }
 
   private:
+    [[nodiscard]] V3f seen_beyond(std::size_t column) const;
     using NodeIndex = history::NodeIndex;
     using PointIndex = history::PointIndex;
     using ShadePoint = shade::VisiblePoint;

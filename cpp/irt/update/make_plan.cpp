@@ -50,6 +50,21 @@ bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
     });
 }
 
+/// Has the points of objects that a light lights now and did not, or the other way round, shaded
+/// again.
+void relink(const Scene& scene, const std::vector<bool>& before, const std::vector<bool>& now,
+            Plan& plan) {
+    if (before == now) return;
+    for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot) {
+        const std::uint32_t object = scene.object_index(slot);
+        const bool was = object < before.size() && before[object];
+        const bool is = object < now.size() && now[object];
+        if (was == is || !scene.live(slot)) continue;
+        plan.rebound[slot] = true;
+        plan.material_mask = ~std::uint64_t{0};
+    }
+}
+
 }  // namespace
 
 void Boxes::add(const trace::Box& box, double slack) {
@@ -152,6 +167,10 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
             plan.kept_lights.back() = static_cast<std::size_t>(before - old_lights.begin());
         else
             plan.lights_moved = true;
+        const bool kept = plan.kept_lights.back() && before != old_lights.end();
+        plan.reshaped_lights.push_back(kept && !same_response(before->record, light.record));
+        plan.lights_reshaped = plan.lights_reshaped || plan.reshaped_lights.back();
+        if (kept) relink(scene, before->unlit, light.unlit, plan);
     }
     return plan;
 }

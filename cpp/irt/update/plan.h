@@ -47,6 +47,9 @@ struct Plan {
     history::Regions regions;  ///< the voxels of both: change flags on voxels
     /// By light: its place before, if it casts the same rays as then.
     std::vector<std::optional<std::size_t>> kept_lights;
+    /// By light: it casts the same rays, and surfaces respond to it otherwise.
+    std::vector<bool> reshaped_lights;
+    bool lights_reshaped = false;
     bool lights_moved = false;   ///< some light is new or moved, and with it all its shadow rays
     bool lights_differ = false;  ///< any change of any light, energy included
 };

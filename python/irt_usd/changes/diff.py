@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from irt_usd.changes.invalidation import Invalidates, invalidates
 from irt_usd.stage.camera import same_camera
 from irt_usd.stage.instances import ENTRY_ATTRIBUTES, EntryChange, InstancesShape, entry_changes
-from irt_usd.stage.snapshot import LightState, MaterialState, ObjectState, Snapshot, State
+from irt_usd.stage.snapshot import (
+    CameraState,
+    LightState,
+    MaterialState,
+    ObjectState,
+    Snapshot,
+    State,
+)
 from irt_usd.stage.values import Value, same_bits
 
 if TYPE_CHECKING:
@@ -62,13 +69,17 @@ class ChangeList:
         self._objects = _differing(old.objects if old else {}, new.objects)
         self._materials = _differing(old.materials if old else {}, new.materials)
         self._lights = _differing(old.lights if old else {}, new.lights)
-        self.camera = old is not None and not same_camera(old.camera, new.camera)
-        """Whether the camera maps the world to the image otherwise than before."""
+        pairs_of_cameras = list(zip(old.cameras, new.cameras, strict=True)) if old else []
+        self.cameras = [not same_camera(a, b) for a, b in pairs_of_cameras] or [False] * len(
+            new.cameras
+        )
+        """By view: whether its camera maps the world to the image otherwise than before."""
+        self.exposures = [a.exposure != b.exposure for a, b in pairs_of_cameras]
+        """By view: whether what is written is multiplied otherwise than before."""
         self.changes: list[Change] = []
         """By value, bit for bit: time samples that repeat a value are no change."""
-        if old is not None and self.camera:
-            differences = _differences(old.camera, new.camera)
-            self.changes += _attribute_changes(old.camera.path, old.camera, new.camera, differences)
+        for path, (a, b) in {b.path: (a, b) for a, b in pairs_of_cameras}.items():
+            self.changes += _camera_changes(path, a, b)
         hidden_before = old.hidden if old else frozenset()
         for pairs in (self._objects, self._materials, self._lights):
             for path, pair in pairs.items():
@@ -78,6 +89,11 @@ class ChangeList:
                     )
                 else:
                     self.changes += _attribute_changes(path, pair.old, pair.new, pair.differences)
+
+    @property
+    def camera(self) -> bool:
+        """Whether a camera maps the world to the image otherwise than before."""
+        return any(self.cameras)
 
     @cached_property
     def core(self) -> "_core.ChangeSet":
@@ -93,7 +109,8 @@ class ChangeList:
         ):
             for path, pair in pairs.items():
                 if pair.new is None:
-                    remove(path)
+                    for name in pair.old.names() if isinstance(pair.old, LightState) else (path,):
+                        remove(name)
                 else:
                     pair.new.add_to(changes)
         return changes
@@ -121,6 +138,8 @@ class ChangeList:
         counts: dict[str, int] = {}
         if self.camera:
             counts["camera"] = 1
+        if any(self.exposures):
+            counts["exposure"] = 1
         for pair in self._objects.values():
             verb = _object_verb(pair)
             counts[verb] = counts.get(verb, 0) + 1
@@ -195,6 +214,15 @@ def _entry_changes(old: State | None, new: State | None, most: int) -> list[Entr
     return []
 
 
+def _camera_changes(path: str, old: CameraState, new: CameraState) -> Iterator[Change]:
+    moved = not same_camera(old, new)
+    for name, before, after in _differences(old, new):
+        exposes = name.startswith("exposure")
+        if moved or exposes:
+            kind: Invalidates = invalidates(old, new, name)
+            yield Change(path, name, before, after, kind)
+
+
 def _whole_change(
     path: str,
     old: State | None,
@@ -222,6 +250,7 @@ def _only_energy(old: State | None, new: State | None) -> bool:
         old.kind == new.kind
         and same_bits(old.aim, new.aim)
         and old.casts_shadows == new.casts_shadows
+        and old.modifiers == new.modifiers
         and any(old.energy)
     )
 

@@ -17,10 +17,12 @@ Invalidates = Literal[
     "shadow rays",
     "light energy only (no rays)",
     "everything (restart)",
+    "what is written (no rays)",
 ]
 """visibility and shading: rays through the object's old and new surfaces. spawned rays: reflected,
 refracted and shadow rays of the points it shows at, and shadows it casts. shadow rays: those to
-this light. shading: colours alone. light energy only: sums alone."""
+this light. shading: colours alone. light energy only: sums alone.
+what is written: a factor of finished pixels."""
 
 _OBJECT: dict[str, Invalidates] = {
     "normals": "spawned rays",
@@ -43,6 +45,8 @@ def invalidates(
     """
     state = new or old
     if isinstance(state, CameraState):
+        if attribute.startswith("exposure"):
+            return "what is written (no rays)"
         return "everything (restart)"
     if isinstance(state, ObjectState):
         whole = old is None or new is None

@@ -4,6 +4,8 @@
 import functools
 import re
 from collections.abc import Callable
+from decimal import Decimal
+from math import isfinite
 from typing import Any
 
 import click
@@ -11,6 +13,7 @@ import click
 from irt_usd.choices import COMPLEXITY, MISSING_ASSET, PURPOSES, MissingAsset
 from irt_usd.cli.errors import VERBOSE
 from irt_usd.errors import InputError
+from irt_usd.shot.frames import parse_frames
 from irt_usd.shot.settings import AOV_NAMES, ShotOptions, TraceSettings, check_film_size
 
 Command = Callable[..., Any]
@@ -71,6 +74,10 @@ def shot_options(command: Command) -> Command:
         missing_asset: MissingAsset,
         complexity: str,
         texture_memory: str | None,
+        settings_path: str | None,
+        region: str | None,
+        lock_camera: str | None,
+        dome_samples: int,
         **rest: Any,
     ) -> Any:
         options = ShotOptions(
@@ -87,6 +94,10 @@ def shot_options(command: Command) -> Command:
             missing_asset,
             parse_bytes("--texture-memory", texture_memory) if texture_memory else None,
             complexity,
+            settings_path,
+            _parse_region(region) if region is not None else None,
+            _parse_frame(lock_camera) if lock_camera is not None else None,
+            dome_samples,
         )
         return command(*args, options=options, **rest)
 
@@ -94,7 +105,17 @@ def shot_options(command: Command) -> Command:
         with_options,
         click.argument("stage", metavar="STAGE"),
         click.option(
-            "-c", "--camera", metavar="PATH", help="The camera; by default the stage's only one."
+            "-c",
+            "--camera",
+            metavar="PATH",
+            help="The camera; by default the render settings', or the stage's only one.",
+        ),
+        click.option(
+            "-s",
+            "--settings",
+            "settings_path",
+            metavar="PATH",
+            help="The RenderSettings prim; by default the stage's renderSettingsPrimPath.",
         ),
         click.option(
             "-f",
@@ -102,7 +123,25 @@ def shot_options(command: Command) -> Command:
             metavar="RANGE",
             help="7, 1001:1100, 1:48x2, 1-48:2, 1:2x0.25 or a list; by default the stage's range.",
         ),
-        click.option("--size", metavar="WxH", help="Pixels; by default the stage's."),
+        click.option("--size", metavar="WxH", help="Pixels; by default the render settings'."),
+        click.option(
+            "--region",
+            metavar="L,B,R,T",
+            help="Render this window of the frame alone, 0,0,1,1 being all of it, y up; beyond it"
+            " is overscan. By default the render settings' dataWindowNDC.",
+        ),
+        click.option(
+            "--dome-samples",
+            type=click.IntRange(1, 4096),
+            default=32,
+            show_default=True,
+            help="Directions from which a dome lights surfaces.",
+        ),
+        click.option(
+            "--lock-camera",
+            metavar="FRAME",
+            help="See every frame as the camera stands at this one.",
+        ),
         click.option(
             "--no-camera-light", is_flag=True, help="No light at the camera of a shot without any."
         ),
@@ -163,7 +202,7 @@ def trace_options(command: Command) -> Command:
 
     @functools.wraps(command)
     def with_settings(*args: Any, **given: Any) -> Any:
-        aovs = tuple(dict.fromkeys(given.pop("aov")))
+        aovs = tuple(dict.fromkeys(given.pop("aov"))) or None
         names = ("samples", "max_depth", "throughput_cutoff", "mirror_roughness", "isa", "threads")
         settings = TraceSettings(aovs=aovs, **{name: given.pop(name) for name in names})
         return command(*args, settings=settings, **given)
@@ -193,7 +232,7 @@ def trace_options(command: Command) -> Command:
             "--aov",
             multiple=True,
             type=click.Choice(AOV_NAMES),
-            help="A further layer; may be repeated.",
+            help="A further layer; may be repeated. By default the render products' vars.",
         ),
         _number("--threads", click.IntRange(0, 1024), _DEFAULTS.threads, "0 is all."),
         click.option(
@@ -226,6 +265,27 @@ def _parse_purposes(text: str) -> tuple[str, ...]:
                 f" {', '.join(PURPOSES)}"
             )
     return tuple(dict.fromkeys(["default", *names]))
+
+
+def _parse_region(text: str) -> tuple[float, float, float, float]:
+    try:
+        edges = tuple(map(float, text.replace(",", " ").split()))
+    except ValueError:
+        edges = ()
+    if len(edges) != 4 or not all(map(isfinite, edges)):
+        raise InputError(f"--region {text}: expected left,bottom,right,top, such as 0,0,0.5,1")
+    left, bottom, right, top = edges
+    if not (left < right and bottom < top):
+        raise InputError(f"--region {text}: left must be below right, and bottom below top")
+    return (left, bottom, right, top)
+
+
+def _parse_frame(text: str) -> Decimal:
+    try:
+        (frame,) = parse_frames(text)
+    except (InputError, ValueError) as error:
+        raise InputError(f"--lock-camera {text}: expected one frame, such as 1001") from error
+    return frame
 
 
 def _parse_mask(text: str) -> tuple[str, ...]:

@@ -17,7 +17,6 @@ from irt_usd.cli.options import (
 
 if TYPE_CHECKING:
     from irt_usd.images.exr import PixelType
-    from irt_usd.shot.output import OutputPattern
     from irt_usd.shot.session import Shot
     from irt_usd.shot.settings import ShotOptions, TraceSettings
     from irt_usd.shot.tracer import History
@@ -30,7 +29,8 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="PATTERN",
-    help="#### (or ###.###, $F4, %04d) is the frame; by default out/<stage>.####.exr.",
+    help="#### (or ###.###, $F4, %04d) is the frame, <product> the render product's name; by"
+    " default the products' own names, or out/<stage>.####.exr.",
 )
 @click.option(
     "--exr-type",
@@ -65,11 +65,16 @@ def render(
     list_cameras: bool,
     quiet: bool,
 ) -> None:
-    """Render a USD shot into a sequence of EXR files."""
+    """Render a USD shot into a sequence of EXR files.
+
+    What is not given here the stage's render settings say: every product of theirs is rendered,
+    with its camera, resolution, vars and name. What is given here wins over them.
+    """
     from irt_usd import stage
     from irt_usd.report import Report
     from irt_usd.shot.frames import count_frames, format_frames, parse_frames
-    from irt_usd.shot.output import default_pattern, output_paths, parse_pattern, prepare_output
+    from irt_usd.shot.output import output_paths, parse_pattern, prepare_output
+    from irt_usd.shot.products import PRODUCT_TOKEN, shot_paths, view_aovs
     from irt_usd.shot.progress import shot_progress
     from irt_usd.shot.render import TABLE_HEADER, OutputOptions, render_shot
     from irt_usd.shot.session import open_shot, opening
@@ -84,16 +89,18 @@ def render(
         return
     check_isa(settings.isa)
     use_threads(settings.threads)
-    pattern: OutputPattern | None = parse_pattern(output) if output is not None else None
-    if pattern is not None and options.frames is not None:
-        output_paths(pattern, parse_frames(options.frames))  # refused before the stage is opened
+    if output is not None:
+        pattern = parse_pattern(output.replace(PRODUCT_TOKEN, "product"))
+        if options.frames is not None:  # refused before the stage is opened
+            output_paths(pattern, parse_frames(options.frames))
     shot = open_shot(options, Report(strict))
-    check_film_size(shot.size, settings.aovs)
-    paths = output_paths(pattern or default_pattern(options.stage, shot.frames), shot.frames)
+    for view in shot.views:
+        check_film_size(view.framing.size, view_aovs(view, settings))
+    paths = shot_paths(shot, output)
     wanted = [
-        (frame, path)
-        for frame, path in zip(shot.frames, paths, strict=True)
-        if not (skip_existing and _exists(path))
+        (frame, files)
+        for frame, files in zip(shot.frames, paths, strict=True)
+        if not (skip_existing and all(map(_exists, files)))
     ]
     if not quiet:
         click.echo(_headline(shot, format_frames(shot.frames)))
@@ -105,14 +112,16 @@ def render(
         return
     note = click.echo if is_verbose() and not quiet else lambda _: None
     kept = shot.layer_files
-    prepare_output([path for _, path in wanted], "--output", note, kept)
+    files = [file for _, files in wanted for file in files]
+    prepare_output(files, "--output", note, kept)
     if stats is not None:
-        prepare_output([stats], "--stats", note, [*kept, *paths])
-    out = OutputOptions([path for _, path in wanted], pixel_type, history, stats)
-    with shot_progress(len(wanted), TABLE_HEADER, quiet) as progress:
+        every = [file for files in paths for file in files]
+        prepare_output([stats], "--stats", note, [*kept, *every])
+    out = OutputOptions([files for _, files in wanted], pixel_type, history, stats)
+    with shot_progress(len(wanted) * len(shot.views), TABLE_HEADER, quiet) as progress:
         render_shot(shot, [frame for frame, _ in wanted], settings, out, progress)
     if not quiet:
-        click.echo(f"done: {count_frames(len(wanted))} in {out.paths[0].parent}")
+        click.echo(f"done: {count_frames(len(wanted))} in {out.paths[0][0].parent}")
 
 
 def _exists(path: Path) -> bool:
@@ -123,16 +132,19 @@ def _exists(path: Path) -> bool:
 
 
 def _headline(shot: "Shot", frames: str) -> str:
-    width, height = shot.size
-    line = f"{shot.options.stage}: frames {frames}, {width}x{height}, camera {shot.camera_path}"
-    return f"{line}\n{motion_line(shot)}" if shot.camera_moves else line
+    lines = [f"{shot.options.stage}: frames {frames}"]
+    for view in shot.views:
+        width, height = view.framing.size
+        image = f"{width}x{height}, camera {view.camera}"
+        if len(shot.views) == 1:
+            lines = [f"{lines[0]}, {image}"]
+        else:
+            lines.append(f"  {view.product.path}: {image}")
+    return "\n".join([*lines, motion_line(shot)] if shot.moves else lines)
 
 
 def motion_line(shot: "Shot") -> str:
     """Where the camera moves, and what comes of it."""
     from irt_usd.shot.frames import format_frames
 
-    return (
-        f"irt: the camera moves at frames {format_frames(shot.camera_moves)}:"
-        " those are traced in full"
-    )
+    return f"irt: the camera moves at frames {format_frames(shot.moves)}: those are traced in full"

@@ -51,26 +51,28 @@ def verify(
     every pixel: beauty and the AOVs asked for, all of them where none is. Exit status 4 if any
     bit differs.
     """
+    from irt_usd.aovs import SURFACE_AOVS
     from irt_usd.images.atomic import atomic_file
     from irt_usd.report import Report
     from irt_usd.shot.output import prepare_output
     from irt_usd.shot.progress import shot_progress
     from irt_usd.shot.session import open_shot
-    from irt_usd.shot.settings import SURFACE_AOVS, check_film_size
+    from irt_usd.shot.settings import check_film_size
     from irt_usd.shot.verify import TABLE_HEADER, verify_shot
 
     check_isa(settings.isa)
     use_threads(settings.threads)
-    asked = tuple(name for name in settings.aovs if name in SURFACE_AOVS)
+    asked = tuple(name for name in settings.aovs or () if name in SURFACE_AOVS)
     settings = replace(settings, aovs=asked or SURFACE_AOVS)
     shot = open_shot(options, Report(strict))
-    check_film_size(shot.size, settings.aovs)
+    for view in shot.views:
+        check_film_size(view.framing.size, settings.aovs or ())
     if json_path is not None:
         note = click.echo if is_verbose() else lambda _: None
         prepare_output([json_path], "--json", note, shot.layer_files)
-    if shot.camera_moves and not quiet:
+    if shot.moves and not quiet:
         click.echo(motion_line(shot))
-    with shot_progress(len(shot.frames), TABLE_HEADER, quiet) as progress:
+    with shot_progress(len(shot.frames) * len(shot.views), TABLE_HEADER, quiet) as progress:
         verdict = verify_shot(shot, settings, brute_force_pixels, progress)
     if not (quiet and verdict.exact):
         click.echo(verdict.sentence())

@@ -3,21 +3,24 @@
 
 Beauty is `R G B A` in the root layer, the AOVs are layers beside it:
 
-    depth     Z                  float, in scene units
-    normal    normal.X .Y .Z     float, world space
-    position  position.X .Y .Z   float, world space
-    albedo    albedo.R .G .B     as beauty
-    objectId  objectId.id        uint32, in a second part named objectId
-    irt.retraced                 float, rays retraced in the pixel for this frame
+    depth, cameraDepth   Z; cameraDepth     float, in scene units
+    normal, Neye         normal.X .Y .Z     float, world space; camera space
+    position, Peye       position.X .Y .Z   float, world space; camera space
+    albedo               albedo.R .G .B     as beauty
+    objectId, primId     objectId.id        uint32, in a further part of the AOV's name
+    irt.retraced         irt.retraced       float, rays retraced in the pixel for this frame
+    irt.age              irt.age            float, frames since a ray of the pixel was retraced
+
+The data window is the film's, the display window the full frame's.
 
 OpenImageIO converts pixels of mixed types by way of float, which cannot hold every id: hence
-the second part.
+the further parts.
 """
 
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from fractions import Fraction
 from pathlib import Path
@@ -27,7 +30,9 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 from numpy.typing import NDArray
 
+from irt_usd.aovs import AOVS
 from irt_usd.errors import InputError, MachineError
+from irt_usd.images.aovs import Plane
 from irt_usd.images.atomic import atomic_file
 
 PixelType = Literal["half", "float"]
@@ -46,12 +51,22 @@ _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 class Film:
     """One frame's pixels, row 0 on top.
 
-    `beauty` (height, width, 4) float32, scene-linear; `aovs` by name: (height, width) for depth
-    and irt.retraced (float32) and objectId (uint32), (height, width, 3) float32 for the others.
+    `beauty` (height, width, 4) float32, scene-linear; `aovs` by name: (height, width) or, of
+    vectors and colours, (height, width, 3); uint32 of ids, float32 of the others. `start`: the
+    full frame's pixel that is the film's upper left one; `frame`: the full frame's width and
+    height, None where the film is all of it.
     """
 
     beauty: NDArray[np.float32]
-    aovs: Mapping[str, NDArray[np.float32] | NDArray[np.uint32]]
+    aovs: Mapping[str, Plane]
+    start: tuple[int, int] = (0, 0)
+    frame: tuple[int, int] | None = None
+    layers: Mapping[str, str] = field(default_factory=dict)
+    """Names of the AOVs' layers, where they are other than the AOVs'."""
+
+    def layer(self, aov: str) -> str:
+        """The name of an AOV's layer."""
+        return self.layers.get(aov, aov)
 
 
 @dataclass(frozen=True)
@@ -60,22 +75,6 @@ class PixelFaults:
 
     non_finite: int
     too_bright: int
-
-
-@dataclass(frozen=True)
-class _Layer:
-    channels: tuple[str, ...]
-    colour: bool
-
-
-_LAYERS = {
-    "depth": _Layer(("Z",), colour=False),
-    "normal": _Layer(("normal.X", "normal.Y", "normal.Z"), colour=False),
-    "position": _Layer(("position.X", "position.Y", "position.Z"), colour=False),
-    "albedo": _Layer(("albedo.R", "albedo.G", "albedo.B"), colour=True),
-    "irt.retraced": _Layer(("irt.retraced",), colour=False),
-}
-_ID_AOV = "objectId"
 
 
 def write_exr(
@@ -87,8 +86,9 @@ def write_exr(
     """
     pixels, spec = _colour_part(film, pixel_type)
     parts: list[tuple[oiio.ImageSpec, NDArray[Any]]] = [(spec, pixels)]
-    if _ID_AOV in film.aovs:
-        parts.append(_id_part(film))
+    ids = [_id_part(film, name) for name in film.aovs if AOVS[name].kind == "id"]
+    if ids:
+        parts += ids
         spec["oiio:subimagename"] = "rgba"
     for part_spec, _ in parts:
         _set_metadata(part_spec, metadata)
@@ -159,22 +159,25 @@ def _colour_part(film: Film, pixel_type: PixelType) -> tuple[NDArray[np.float32]
     planes: list[NDArray[Any]] = [_storable(film.beauty, pixel_type)]
     names = ["R", "G", "B", "A"]
     formats = [colour_type] * 4
-    for name, layer in _LAYERS.items():
-        if name in film.aovs:
-            plane = film.aovs[name].reshape(height, width, len(layer.channels))
-            planes.append(_storable(plane, pixel_type) if layer.colour else plane)
-            names += layer.channels
-            formats += [colour_type if layer.colour else oiio.FLOAT] * len(layer.channels)
-    spec = _new_spec(width, height, names, colour_type)
+    for name in AOVS:
+        if name not in film.aovs or AOVS[name].kind == "id":
+            continue
+        channels, colour = AOVS[name].channels(film.layer(name)), AOVS[name].kind == "colour"
+        plane = film.aovs[name].reshape(height, width, len(channels))
+        planes.append(_storable(plane, pixel_type) if colour else plane)
+        names += channels
+        formats += [colour_type if colour else oiio.FLOAT] * len(channels)
+    spec = _new_spec(film, names, colour_type)
     spec.channelformats = tuple(formats)
     return np.ascontiguousarray(np.concatenate(planes, axis=2, dtype=np.float32)), spec
 
 
-def _id_part(film: Film) -> tuple[oiio.ImageSpec, NDArray[np.uint32]]:
-    ids = film.aovs[_ID_AOV]
+def _id_part(film: Film, name: str) -> tuple[oiio.ImageSpec, NDArray[np.uint32]]:
+    ids = film.aovs[name]
     height, width = ids.shape
-    spec = _new_spec(width, height, [f"{_ID_AOV}.id"], oiio.UINT32)
-    spec["oiio:subimagename"] = _ID_AOV
+    layer = film.layer(name)
+    spec = _new_spec(film, AOVS[name].channels(layer), oiio.UINT32)
+    spec["oiio:subimagename"] = layer
     return spec, np.ascontiguousarray(ids.reshape(height, width, 1), dtype=np.uint32)
 
 
@@ -194,10 +197,12 @@ def _faults(film: Film, pixel_type: PixelType) -> PixelFaults:
     return PixelFaults(int(np.count_nonzero(~finite.all(axis=2))), too_bright)
 
 
-def _new_spec(
-    width: int, height: int, channels: Sequence[str], pixel_format: Any
-) -> oiio.ImageSpec:
+def _new_spec(film: Film, channels: Sequence[str], pixel_format: Any) -> oiio.ImageSpec:
+    height, width = film.beauty.shape[:2]
     spec = oiio.ImageSpec(width, height, len(channels), pixel_format)
+    spec.x, spec.y = film.start
+    spec.full_x, spec.full_y = 0, 0
+    spec.full_width, spec.full_height = film.frame or (width, height)
     spec.channelnames = tuple(channels)
     spec["compression"] = "zip"
     spec["DateTime"] = ""  # keeps OpenImageIO from adding the time of writing

@@ -24,20 +24,26 @@ _INTEGERS = 2**31
 _FLIP_Z = np.diag([1.0, 1.0, -1.0, 1.0])
 
 
-def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValue]:
-    """The entries that are the same in every frame. Raises InputError: a bad SOURCE_DATE_EPOCH."""
+def shot_metadata(shot: Shot, settings: TraceSettings, view: int = 0) -> dict[str, MetadataValue]:
+    """The entries that are the same in every frame of a view.
+
+    Raises InputError: a bad SOURCE_DATE_EPOCH.
+    """
+    camera = shot.views[view].camera
+    product = shot.views[view].product.path
     versions = _core.versions()
     entries: dict[str, MetadataValue] = {
         "Software": f"irt {versions['irt']}",
         "DateTime": source_date(),
-        "cameraLabel": shot.camera_path,
+        "cameraLabel": camera,
         "irt:stage": Path(shot.options.stage).name,
-        "irt:camera": shot.camera_path,
+        "irt:camera": camera,
         "irt:cameraLight": int(shot.reader.camera_light),
         "irt:purposes": " ".join(shot.reader.purposes),
         "irt:complexity": shot.options.complexity,
         "irt:missingAsset": shot.options.missing_asset,
         "irt:renderingColorSpace": shot.reader.colors.rendering,
+        "irt:domeSamples": shot.options.dome_samples,
         "irt:samples": settings.samples,
         "irt:maxDepth": settings.max_depth,
         "irt:throughputCutoff": settings.throughput_cutoff,
@@ -56,6 +62,10 @@ def shot_metadata(shot: Shot, settings: TraceSettings) -> dict[str, MetadataValu
         entries["irt:sessionLayer"] = Path(shot.options.session_layer).name
     if shot.options.mask:
         entries["irt:mask"] = " ".join(shot.options.mask)
+    if product:
+        entries["irt:renderProduct"] = product
+    if shot.options.lock_camera is not None:
+        entries["irt:lockCamera"] = format_frame(shot.options.lock_camera)
     rate = shot.stage.GetFramesPerSecond()
     if rate < _INTEGERS:
         entries["framesPerSecond"] = frames_per_second(rate)
@@ -78,6 +88,8 @@ def frame_metadata(frame: Frame, camera: CameraState) -> dict[str, MetadataValue
         "nominalFocalLength": _number(camera, "focalLength"),
         "irt:horizontalAperture": _number(camera, "horizontalAperture"),
         "irt:verticalAperture": _number(camera, "verticalAperture"),
+        "irt:exposureScale": camera.exposure,
+        "PixelAspectRatio": camera.pixel_aspect,
     }
     if frame == frame.to_integral_value() and abs(frame) < _INTEGERS:
         entries["imageCounter"] = int(frame)

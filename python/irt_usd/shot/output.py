@@ -24,13 +24,15 @@ _TOKENS = "####, ###.### for sub-frames, $F4 or %04d"
 class OutputPattern:
     """A file name with at most one frame token.
 
-    `width` counts the whole token as usdrecord does: `###.###` is 7 wide with 3 decimals.
+    `width` counts the whole token as usdrecord does: `###.###` is 7 wide with 3 decimals. `origin`
+    is the option, or whatever else, that the name comes from.
     """
 
     text: str
     span: tuple[int, int] | None
     width: int = 0
     decimals: int = 0
+    origin: str = "--output"
 
     def path(self, frame: Frame) -> Path:
         """The file of one frame; the frame must fit the token (see `output_paths`)."""
@@ -40,34 +42,39 @@ class OutputPattern:
         return Path(f"{self.text[:start]}{frame:0{self.width}.{self.decimals}f}{self.text[end:]}")
 
 
-def parse_pattern(text: str) -> OutputPattern:
+def parse_pattern(text: str, origin: str = "--output") -> OutputPattern:
     """Raises InputError where the tokens are several or odd, or it is no EXR file's name."""
     if not text.lower().endswith(".exr"):
-        raise InputError(f"--output {text}: irt writes OpenEXR files; end the name in .exr")
+        raise InputError(f"{origin} {text}: irt writes OpenEXR files; end the name in .exr")
     spaces = _PADDED_WITH_SPACES.search(text)
     if spaces:
         raise InputError(
-            f"--output {text}: {spaces.group()} pads with spaces; write %0{spaces[1]}d"
+            f"{origin} {text}: {spaces.group()} pads with spaces; write %0{spaces[1]}d"
         )
     tokens = list(_TOKEN.finditer(text))
     if not tokens:
-        return OutputPattern(text, None)
+        return OutputPattern(text, None, origin=origin)
     if len(tokens) > 1:
         found = ", ".join(token.group() for token in tokens)
-        raise InputError(f"--output {text}: several frame tokens ({found}); leave one")
+        raise InputError(f"{origin} {text}: several frame tokens ({found}); leave one")
     (token,) = tokens
     if token["hashes"]:
         decimals = len(token["decimals"] or "")
-        return OutputPattern(text, token.span(), len(token.group()), decimals)
-    return OutputPattern(text, token.span(), int(token["houdini"] or token["printf"] or 1))
+        return OutputPattern(text, token.span(), len(token.group()), decimals, origin)
+    width = int(token["houdini"] or token["printf"] or 1)
+    return OutputPattern(text, token.span(), width, origin=origin)
 
 
-def default_pattern(stage_path: str, frames: Sequence[Frame]) -> OutputPattern:
-    """out/<stage's name>.####.exr, with as many decimals as the frames need."""
+def default_pattern(stage_path: str, frames: Sequence[Frame], product: str = "") -> OutputPattern:
+    """out/<stage's name>.####.exr, with as many decimals as the frames need.
+
+    `product`: what tells one image of the stage from another; stands before the frame.
+    """
     decimals = max((-_exponent(frame) for frame in frames), default=0)
     token = "####" if decimals <= 0 else f"####.{'#' * decimals}"
     stem = _PADDED_WITH_SPACES.sub("_", _TOKEN.sub("_", Path(stage_path).stem))
-    return parse_pattern(f"out/{stem}.{token}.exr")
+    name = f"{stem}.{product}" if product else stem
+    return parse_pattern(f"out/{name}.{token}.exr")
 
 
 def _exponent(frame: Frame) -> int:
@@ -81,8 +88,8 @@ def output_paths(pattern: OutputPattern, frames: Sequence[Frame]) -> list[Path]:
     """
     if pattern.span is None and len(frames) > 1:
         raise InputError(
-            f"--output {pattern.text}: {len(frames)} frames but no frame token, so each would"
-            f" overwrite the last; put one in the name ({_TOKENS})"
+            f"{pattern.origin} {pattern.text}: {len(frames)} frames but no frame token, so each"
+            f" would overwrite the last; put one in the name ({_TOKENS})"
         )
     paths = [pattern.path(frame) for frame in frames]
     if pattern.span is not None:
@@ -102,7 +109,7 @@ def _refuse_sub_frame(pattern: OutputPattern, frame: Frame, other: Frame, path: 
         clash = f"would both be {path.name}"
     needed = "#" * max(1, -_exponent(frame))
     raise InputError(
-        f"--output {pattern.text}: frames at {names} {clash}; use a token with"
+        f"{pattern.origin} {pattern.text}: frames at {names} {clash}; use a token with"
         f" enough decimals, such as ####.{needed}"
     )
 

@@ -10,6 +10,7 @@ from irt_usd.images.exr import Film, PixelType
 from irt_usd.report import Notice, Report
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.metadata import frame_metadata, shot_metadata
+from irt_usd.shot.products import report_variables
 from irt_usd.shot.progress import ShotProgress
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
@@ -22,9 +23,9 @@ TABLE_HEADER = f"{'frame':>8}  {'changed':<44}  {'rays traced':>12}  {'seconds':
 
 @dataclass(frozen=True)
 class OutputOptions:
-    """Where frames go, and in which form."""
+    """Where frames go, by frame and view, and in which form."""
 
-    paths: Sequence[Path]
+    paths: Sequence[tuple[Path, ...]]
     pixel_type: PixelType = "half"
     history: History = "full"
     stats: Path | None = None
@@ -37,28 +38,35 @@ def render_shot(
     output: OutputOptions,
     progress: ShotProgress,
 ) -> None:
-    """Renders `frames` of the shot into `output.paths`, one each.
+    """Renders `frames` of the shot into `output.paths`.
 
     However it ends, the frames traced by then are written whole, and the statistics tell of
     those. Raises InputError and MachineError.
     """
     tracer = ShotTracer(shot, settings, frames, output.history)
-    common = shot_metadata(shot, settings)
+    views = range(len(shot.views))
+    common = [shot_metadata(shot, settings, view) for view in views]
     writer = FrameWriter()
     written = _Written(shot.report, progress)
+    report_variables(shot.views, shot.report)
     tell_notices(shot.report, progress)
-    film: Film | None = None
+    films: dict[int, Film] = {}
     try:
         try:
-            for frame, path in zip(frames, output.paths, strict=True):
+            for frame, paths in zip(frames, output.paths, strict=True):
                 traced = tracer.trace(frame, partial(progress.tracing, frame))
                 written.expect(frame)
-                # The film of an unchanged frame is written again as it is.
-                same = traced.unchanged and "irt.retraced" not in settings.aovs
-                film = film if film is not None and same else tracer.film()
-                metadata = common | frame_metadata(frame, traced.snapshot.camera)
-                stats = _frame_stats(traced, path, output.history)
-                writer.submit(FrameJob(path, film, metadata, output.pixel_type, stats))
+                for view, path in zip(views, paths, strict=True):
+                    # The film of an unchanged frame is written again as it is.
+                    if not (traced.unchanged(view) and view in films) or any(
+                        name.startswith("irt.") for name in tracer.aovs(view)
+                    ):
+                        films[view] = tracer.film(view)
+                    camera = traced.snapshot.cameras[view]
+                    metadata = common[view] | frame_metadata(frame, camera)
+                    stats = _frame_stats(shot, traced, view, path, output.history)
+                    job = FrameJob(path, films[view], metadata, output.pixel_type, stats)
+                    writer.submit(job)
                 written.take(writer)
         finally:
             written.expect(None)
@@ -75,6 +83,8 @@ def table_row(stats: FrameStats) -> str:
     """One line of the table under TABLE_HEADER."""
     what = stats.summary if stats.restart is None else f"{stats.summary} (restart: {stats.restart})"
     seconds = f"{stats.seconds['total']:8.2f}"
+    if stats.product:
+        what = f"{stats.product.rsplit('/', 1)[-1]}: {what}"
     return f"{format_frame(stats.frame):>8}  {what:<44}  {stats.retraced_rays:>12,}  {seconds}"
 
 
@@ -105,7 +115,7 @@ class _Written:
         for frame in writer.take_written():
             stats = frame.job.stats
             self.stats.append(stats)
-            _tell(self._waiting.pop(stats.frame), self._progress)
+            _tell(self._waiting.pop(stats.frame, []), self._progress)
             self._progress.finished(table_row(stats))
             self._mention_faults(frame)
             tell_notices(self._report, self._progress)
@@ -129,14 +139,22 @@ class _Written:
             )
 
 
-def _frame_stats(traced: TracedFrame, path: Path, history: str) -> FrameStats:
+def _frame_stats(
+    shot: Shot, traced: TracedFrame, view: int, path: Path, history: str
+) -> FrameStats:
+    """Of one view; what all have in common is counted as the first one's time."""
+    update = traced.updates[view]
+    seconds = dict(traced.seconds if view == 0 else update["seconds"])
+    for other in traced.updates[1:] if view == 0 else ():
+        seconds["total"] -= other["seconds"]["total"]
     return FrameStats(
         frame=traced.frame,
         file=str(path),
         history=history,
         summary=traced.changes.summary(),
         change_count=len(traced.changes.changes),
-        camera_changed=traced.changes.camera,
-        update=traced.update,
-        seconds=traced.seconds,
+        camera_changed=traced.changes.cameras[view],
+        update=update,
+        seconds=seconds,
+        product=shot.views[view].product.path if len(shot.views) > 1 else "",
     )

@@ -20,6 +20,7 @@ from irt_usd.shot.frames import (
 )
 from irt_usd.shot.settings import ShotOptions
 from irt_usd.stage import OpenOptions, ReadOptions, ShotReader, open_stage
+from irt_usd.stage.views import View, settled
 
 Vec3 = tuple[float, float, float]
 
@@ -31,8 +32,8 @@ class Shot:
     `render_origin` is the camera's place in world space at the start of the stage's range, at the
     earliest time where the stage has none: a setting of the shot, since what is traced relative to
     another origin rounds otherwise; whatever frames are rendered, it is the same. (Only where that
-    place is not finite is it the one at the first frame.) `camera_moves` are the frames whose
-    camera differs from that of the frame before.
+    place is not finite is it the one at the first frame.) `camera_moves` are, by view, the frames
+    whose camera differs from that of the frame before.
     """
 
     options: ShotOptions
@@ -41,17 +42,23 @@ class Shot:
     frames: tuple[Frame, ...]
     reader: ShotReader
     render_origin: Vec3
-    camera_moves: tuple[Frame, ...]
+    camera_moves: tuple[tuple[Frame, ...], ...]
+
+    @property
+    def views(self) -> tuple[View, ...]:
+        """The shot's images, one at least."""
+        return self.reader.views
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height in pixels."""
-        return self.reader.size
+        """Width and height of the first view's film in pixels."""
+        return self.views[0].framing.size
 
     @property
-    def camera_path(self) -> str:
-        """The camera's prim."""
-        return self.reader.camera_path
+    def moves(self) -> tuple[Frame, ...]:
+        """The frames at which any camera differs from that of the frame before."""
+        moving = {frame for moves in self.camera_moves for frame in moves}
+        return tuple(frame for frame in self.frames if frame in moving)
 
     @property
     def layer_files(self) -> list[Path]:
@@ -60,20 +67,22 @@ class Shot:
 
     def reread(self) -> ShotReader:
         """Another reader of the same frames, which reports to nobody."""
-        options = replace(self.options, camera=self.camera_path, size=self.size)
-        reading = replace(_reading(options), textures=self.reader.textures)
-        return ShotReader(self.stage, reading, Report(), [float(frame) for frame in self.frames])
+        reading = replace(_reading(self.options), views=tuple(map(settled, self.views)))
+        reading = replace(reading, textures=self.reader.textures)
+        frames = [float(frame) for frame in self.frames]
+        return ShotReader(self.stage, reading, Report(), frames)
 
     def reopened(self, frame: Frame) -> "Shot":
         """The one frame as a shot of its own, read from a new opening of the stage.
 
-        What was settled for this shot (camera, size, render origin) is settled for it too.
+        What was settled for this shot (views, render origin) is settled for it too.
         """
-        options = replace(self.options, camera=self.camera_path, size=self.size)
         report = Report()
-        stage = open_stage(options.stage, opening(options), report)
-        reader = ShotReader(stage, _reading(options), report, [float(frame)])
-        return Shot(options, stage, report, (frame,), reader, self.render_origin, ())
+        stage = open_stage(self.options.stage, opening(self.options), report)
+        reading = replace(_reading(self.options), views=tuple(map(settled, self.views)))
+        reader = ShotReader(stage, reading, report, [float(frame)])
+        still: tuple[tuple[Frame, ...], ...] = ((),) * len(self.views)
+        return Shot(self.options, stage, report, (frame,), reader, self.render_origin, still)
 
 
 def open_shot(options: ShotOptions, report: Report) -> Shot:
@@ -90,16 +99,25 @@ def shot_of(stage: Usd.Stage, options: ShotOptions, report: Report) -> Shot:
     reader = ShotReader(stage, _reading(options), report, [float(f) for f in frames])
     _mention_range(stage, frames, report)
     report.enforce("the shot cannot be rendered whole; nothing was rendered")
-    moving = set(reader.camera_moves)
-    moves = tuple(frame for frame in frames if float(frame) in moving)
-    if moves and options.require_locked:
-        raise InputError(
-            f"{options.stage}: {reader.camera_path} moves at frames {format_frames(moves)};"
-            f" --require-locked asks for a camera that does not: give a range in which it rests"
-        )
-    return Shot(
-        options, stage, report, frames, reader, _render_origin(reader, stage, frames[0]), moves
+    shot = Shot(
+        options,
+        stage,
+        report,
+        frames,
+        reader,
+        _render_origin(reader, stage, frames[0]),
+        tuple(tuple(f for f in frames if float(f) in set(m)) for m in reader.camera_moves),
     )
+    if shot.moves and options.require_locked:
+        cameras = {
+            v.camera for v, moves in zip(shot.views, shot.camera_moves, strict=True) if moves
+        }
+        raise InputError(
+            f"{options.stage}: {', '.join(sorted(cameras))} moves at frames"
+            f" {format_frames(shot.moves)}; --require-locked asks for a camera that does not: give"
+            " a range in which it rests, or freeze it with --lock-camera FRAME"
+        )
+    return shot
 
 
 def opening(options: ShotOptions) -> OpenOptions:
@@ -119,6 +137,10 @@ def _reading(options: ShotOptions) -> ReadOptions:
         size=options.size,
         missing_asset=options.missing_asset,
         texture_memory=options.texture_memory,
+        settings=options.settings,
+        data_window=options.data_window,
+        lock_camera=float(options.lock_camera) if options.lock_camera is not None else None,
+        dome_samples=options.dome_samples,
     )
 
 

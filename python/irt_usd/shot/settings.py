@@ -3,7 +3,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 
+from irt_usd.aovs import AOVS
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.memory import free_memory
@@ -15,25 +17,15 @@ _FILM_COPIES = 7
 """The film and its double, two frames that wait, one being encoded, its interleaved copy and its
 file."""
 
-_AOV_FLOATS = {
-    "depth": 1,
-    "normal": 3,
-    "position": 3,
-    "albedo": 3,
-    "objectId": 1,
-    "irt.retraced": 1,
-}
-AOV_NAMES = tuple(_AOV_FLOATS)
-SURFACE_AOVS = tuple(name for name in AOV_NAMES if not name.startswith("irt."))
-"""Those of what is seen; the others tell of the update, in which ways to a frame differ."""
+AOV_NAMES = tuple(AOVS)
 
 
 @dataclass(frozen=True)
 class ShotOptions:
     """Which frames of which stage, through which camera; None asks the stage.
 
-    `session_layer`, `mask`, `asset_path` and `missing_asset` are as in OpenOptions, `purposes` and
-    `texture_memory` (bytes) as in ReadOptions.
+    `session_layer`, `mask`, `asset_path` and `missing_asset` are as in OpenOptions, the others (of
+    `texture_memory` the bytes) as in ReadOptions.
     """
 
     stage: str
@@ -50,6 +42,10 @@ class ShotOptions:
     texture_memory: int | None = None
     complexity: str = "low"
     """A key of COMPLEXITY."""
+    settings: str | None = None
+    data_window: tuple[float, float, float, float] | None = None
+    lock_camera: Decimal | None = None
+    dome_samples: int = 32
 
 
 @dataclass(frozen=True)
@@ -60,7 +56,8 @@ class TraceSettings:
     max_depth: int = 8
     throughput_cutoff: float = 0.0009765625
     mirror_roughness: float = 0.1
-    aovs: tuple[str, ...] = ()
+    aovs: tuple[str, ...] | None = None
+    """None: those that the render settings' products ask for."""
     isa: str = "avx2"
     threads: int = 0
 
@@ -72,7 +69,7 @@ def check_film_size(size: tuple[int, int], aovs: Sequence[str]) -> None:
         raise InputError(
             f"--size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels; write 960x540"
         )
-    pixel_bytes = 4 * (4 + sum(_AOV_FLOATS[name] for name in aovs)) * _FILM_COPIES
+    pixel_bytes = 4 * (4 + sum(max(1, len(AOVS[name].letters)) for name in aovs)) * _FILM_COPIES
     needed = width * height * pixel_bytes
     free = free_memory()
     if needed > free:

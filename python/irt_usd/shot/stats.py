@@ -31,6 +31,8 @@ class FrameStats:
     update: Mapping[str, Any]
     seconds: dict[str, float]
     non_finite_pixels: int = 0
+    product: str = ""
+    """The render product, where there are several."""
 
     @property
     def restart(self) -> str | None:
@@ -53,6 +55,7 @@ class FrameStats:
             "frame": json_frame(self.frame),
             "time_code": float(self.frame),
             "file": self.file,
+            **({"product": self.product} if self.product else {}),
             "history": self.history,
             "restart": self.restart,
             "changes": {

@@ -6,12 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from irt_usd import _core, interrupt
+from irt_usd.aovs import sources
 from irt_usd.changes import ChangeList, diff
 from irt_usd.errors import InputError, MachineError
+from irt_usd.images.aovs import Plane, derived, exposed
 from irt_usd.images.exr import Film
 from irt_usd.shot.foresight import foresee
 from irt_usd.shot.frames import Frame, format_frame
+from irt_usd.shot.products import view_aovs, view_layers
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.stage import Snapshot
@@ -21,7 +27,10 @@ History = Literal["full", "none"]
 
 @dataclass(frozen=True)
 class TracedFrame:
-    """What a frame took: its change list, Renderer.update's statistics, seconds by phase."""
+    """What a frame took: its change list, Renderer.update's statistics, seconds by phase.
+
+    Both are of the first view; `updates` are the statistics of all.
+    """
 
     frame: Frame
     snapshot: Snapshot
@@ -30,9 +39,14 @@ class TracedFrame:
     seconds: dict[str, float]
 
     @property
-    def unchanged(self) -> bool:
-        """Whether the film is the one of the frame before."""
-        return self.changes.core.empty and not self.changes.camera
+    def updates(self) -> list[Mapping[str, Any]]:
+        """Statistics by view."""
+        return [self.update, *self.update["more_views"]]
+
+    def unchanged(self, view: int) -> bool:
+        """Whether the view's film is the one of the frame before."""
+        same_picture = not (self.changes.cameras[view] or any(self.changes.exposures))
+        return self.changes.core.empty and same_picture and not self.changes.initial
 
 
 class ShotTracer:
@@ -56,6 +70,7 @@ class ShotTracer:
         self._history = history
         self._renderer: _core.Renderer | None = None
         self._previous: Snapshot | None = None
+        self._ages: dict[int, NDArray[np.float32]] = {}
 
     def trace(
         self, frame: Frame, on_progress: Callable[[float], None] | None = None
@@ -73,6 +88,9 @@ class ShotTracer:
         changes = diff(previous, snapshot)
         compared = time.perf_counter()
         update = self._update(frame, snapshot, changes, previous is None, on_progress)
+        for view in range(len(self._shot.views)):
+            if "irt.age" in self.aovs(view):
+                self._ages[view] = self._age(view)
         self._previous = snapshot
         seconds = {
             "usd": read - start,
@@ -82,11 +100,37 @@ class ShotTracer:
         }
         return TracedFrame(frame, snapshot, changes, update, seconds)
 
-    def film(self) -> Film:
-        """A copy of the film as the last update left it."""
-        renderer = self.renderer
-        aovs = {name: renderer.aov(name).copy() for name in self._settings.aovs}
-        return Film(renderer.beauty().copy(), aovs)
+    def film(self, view: int = 0) -> Film:
+        """A copy of a view's film as the last update left it, exposed as its camera is."""
+        if self._previous is None:
+            raise ValueError("no frame has been traced")
+        camera = self._previous.cameras[view]
+        framing = self._shot.views[view].framing
+
+        def plane(name: str) -> Plane:
+            return self.renderer.aov(name, view)
+
+        aovs = {
+            name: self._ages[view]
+            if name == "irt.age"
+            else derived(name, plane, camera.world_from_camera)
+            for name in self.aovs(view)
+        }
+        beauty = exposed(self.renderer.beauty(view), camera.exposure)
+        layers = view_layers(self._shot.views[view], self._settings)
+        return Film(beauty.copy(), aovs, framing.start, framing.frame, layers)
+
+    def aovs(self, view: int) -> tuple[str, ...]:
+        """Names of a view's AOVs."""
+        return view_aovs(self._shot.views[view], self._settings)
+
+    def _age(self, view: int) -> NDArray[np.float32]:
+        """Frames since a ray of each pixel was retraced."""
+        fresh = self.renderer.aov("irt.retraced", view) > 0
+        before = self._ages.get(view)
+        if before is None or self._history == "none":
+            return np.zeros(fresh.shape, dtype=np.float32)
+        return np.where(fresh, np.float32(0), before + np.float32(1))
 
     def _consequence(self, frame: Frame) -> str:
         """Of a frame that strictness refuses."""
@@ -116,12 +160,21 @@ class ShotTracer:
                 on_progress(part)
 
         try:
-            camera = snapshot.camera.core()
             if first:
-                self._renderer = self._new_renderer(camera)
-            moved = camera if changes.camera and not first else None
-            keep = self._history == "full" and self._next_can_use_history(frame)
-            return self.renderer.update(changes.core, moved, progress, keep_history=keep)
+                self._renderer = self._new_renderer(snapshot)
+            told = [
+                (
+                    camera.core() if moved and not first else None,
+                    self._history == "full" and self._next_can_use_history(frame, view),
+                )
+                for view, (camera, moved) in enumerate(
+                    zip(snapshot.cameras, changes.cameras, strict=True)
+                )
+            ]
+            (moved_to, keep), *more = told
+            return self.renderer.update(
+                changes.core, moved_to, progress, keep_history=keep, more_views=more
+            )
         except ValueError as error:
             raise InputError(
                 f"{self._shot.options.stage}: frame {format_frame(frame)} cannot be rendered:"
@@ -132,33 +185,39 @@ class ShotTracer:
                 f"out of memory at frame {format_frame(frame)}; try a smaller --size"
             ) from error
 
-    def _new_renderer(self, camera: _core.Camera) -> _core.Renderer:
-        settings = self._settings
-        width, height = self._shot.size
-        view = _core.ViewSettings(
-            width,
-            height,
+    def _new_renderer(self, snapshot: Snapshot) -> _core.Renderer:
+        views = range(len(self._shot.views))
+        renderer = _core.Renderer(
+            snapshot.camera.core(),
+            self._view_settings(0),
+            render_origin=self._shot.render_origin,
+            isa=self._settings.isa,
+            threads=self._settings.threads,
+            history=self._history == "full",
+            foreseen=foresee(self._shot, self._frames) if self._history == "full" else None,
+        )
+        for view in views[1:]:
+            renderer.add_view(snapshot.cameras[view].core(), self._view_settings(view))
+        return renderer
+
+    def _view_settings(self, view: int) -> _core.ViewSettings:
+        settings, framing = self._settings, self._shot.views[view].framing
+        return _core.ViewSettings(
+            *framing.size,
             samples=settings.samples,
             max_depth=settings.max_depth,
             throughput_cutoff=settings.throughput_cutoff,
             mirror_roughness=settings.mirror_roughness,
-            aovs=settings.aovs,
-        )
-        return _core.Renderer(
-            camera,
-            view,
-            render_origin=self._shot.render_origin,
-            isa=settings.isa,
-            threads=settings.threads,
-            history=self._history == "full",
-            foreseen=foresee(self._shot, self._frames) if self._history == "full" else None,
+            aovs=sources(self.aovs(view)),
+            start=framing.start,
+            frame=framing.frame,
         )
 
-    def _next_can_use_history(self, frame: Frame) -> bool:
-        """Whether there is a next frame, and the camera rests until then."""
+    def _next_can_use_history(self, frame: Frame, view: int) -> bool:
+        """Whether there is a next frame, and the view's camera rests until then."""
         index = self._frames.index(frame) + 1
         if index == len(self._frames):
             return False
         all_frames = self._shot.frames
         first, last = all_frames.index(frame) + 1, all_frames.index(self._frames[index]) + 1
-        return not any(f in self._shot.camera_moves for f in all_frames[first:last])
+        return not any(f in self._shot.camera_moves[view] for f in all_frames[first:last])

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from irt_usd.aovs import AOVS, sources
 from irt_usd.images.exr import Film
 from irt_usd.shot.frames import Frame, count_frames, format_frame
+from irt_usd.shot.products import product_label
 from irt_usd.shot.progress import ShotProgress
 from irt_usd.shot.render import tell_notices
 from irt_usd.shot.session import Shot
@@ -70,10 +72,16 @@ class FrameVerdict:
 class Verdict:
     """What a verification found."""
 
-    size: tuple[int, int]
-    brute_force_pixels: int
-    """Pixels of each frame that went through the brute-force twin as well."""
+    pixels: int
+    """Of a frame, all views together."""
+    brute_force_pixels: list[int]
+    """By view the pixels of each frame that went through the brute-force twin as well."""
     frames: list[FrameVerdict] = field(default_factory=list)
+
+    @property
+    def _count(self) -> int:
+        """Frames; `frames` has an entry for each view of them."""
+        return len({found.frame for found in self.frames})
 
     @property
     def exact(self) -> bool:
@@ -83,21 +91,21 @@ class Verdict:
     @property
     def restarts(self) -> int:
         """Updates that fell back to a full trace; the first frame is none."""
-        return sum(frame.restart is not None for frame in self.frames[1:])
+        return sum(frame.restart is not None for frame in self.frames)
 
     def to_json(self) -> dict[str, Any]:
         """The verdict as `irt verify --json` writes it."""
         first = next((f.first_difference for f in self.frames if f.first_difference), None)
         return {
-            "frames": len(self.frames),
-            "pixels": len(self.frames) * self.size[0] * self.size[1],
+            "frames": self._count,
+            "pixels": self._count * self.pixels,
             "differing_pixels": sum(frame.differing_pixels for frame in self.frames),
             "max_abs_difference": max((f.max_abs_difference for f in self.frames), default=0.0),
             "first_difference": first.to_json() if first else None,
             "restarts": self.restarts,
             "seconds_update": sum(frame.seconds_update for frame in self.frames),
             "seconds_full": sum(frame.seconds_full for frame in self.frames),
-            "brute_force_pixels": len(self.frames) * self.brute_force_pixels,
+            "brute_force_pixels": self._count * sum(self.brute_force_pixels),
             "brute_force_differing": sum(frame.brute_force_differing for frame in self.frames),
             "per_frame": [
                 {"frame": json_frame(frame.frame), **frame.rays, "restart": frame.restart}
@@ -131,23 +139,26 @@ def verify_shot(
 
     Raises InputError as rendering does.
     """
-    width, height = shot.size
-    verdict = Verdict(shot.size, min(brute_force_pixels, width * height))
+    pixels = [view.framing.size[0] * view.framing.size[1] for view in shot.views]
+    verdict = Verdict(sum(pixels), [min(brute_force_pixels, count) for count in pixels])
     tracer = ShotTracer(shot, settings, shot.frames)
     tell_notices(shot.report, progress)
     for frame in shot.frames:
         traced = tracer.trace(frame, partial(_show_half, progress, frame, 0.0))
         judge = ShotTracer(shot.reopened(frame), settings, (frame,), "none")
         fresh = judge.trace(frame, partial(_show_half, progress, frame, 0.5))
-        film = tracer.film()
-        brute_differing = _brute_force_differing(
-            judge, film, frame, verdict.brute_force_pixels, settings
-        )
-        found = _compare(traced, fresh, film, judge.film(), brute_differing)
-        verdict.frames.append(found)
-        tell_notices(shot.report, progress)
-        progress.finished(_table_row(found, traced.changes.summary()))
+        for view, count in enumerate(verdict.brute_force_pixels):
+            brute_differing = _brute_force_differing(tracer, judge, view, frame, count)
+            found = _compare(traced, fresh, view, tracer, judge, brute_differing)
+            verdict.frames.append(found)
+            tell_notices(shot.report, progress)
+            progress.finished(_table_row(found, _what(shot, view, traced)))
     return verdict
+
+
+def _what(shot: Shot, view: int, traced: TracedFrame) -> str:
+    summary = traced.changes.summary()
+    return summary if len(shot.views) == 1 else f"{product_label(shot.views[view])}: {summary}"
 
 
 def _show_half(progress: ShotProgress, frame: Frame, start: float, fraction: float) -> None:
@@ -180,15 +191,21 @@ def compare_films(frame: Frame, a: Film, b: Film) -> tuple[int, float, Differenc
 
 
 def _compare(
-    traced: TracedFrame, fresh: TracedFrame, film: Film, fresh_film: Film, brute_differing: int
+    traced: TracedFrame,
+    fresh: TracedFrame,
+    view: int,
+    tracer: ShotTracer,
+    judge: ShotTracer,
+    brute_differing: int,
 ) -> FrameVerdict:
-    differing, greatest, first = compare_films(traced.frame, film, fresh_film)
+    differing, greatest, first = compare_films(traced.frame, tracer.film(view), judge.film(view))
+    update = traced.updates[view]
     return FrameVerdict(
         frame=traced.frame,
-        rays={key: int(traced.update[key]) for key in RAY_COUNTS},
-        restart=traced.update["restart"],
-        seconds_update=float(traced.update["seconds"]["total"]),
-        seconds_full=float(fresh.update["seconds"]["total"]),
+        rays={key: int(update[key]) for key in RAY_COUNTS},
+        restart=update["restart"],
+        seconds_update=float(update["seconds"]["total"]),
+        seconds_full=float(fresh.updates[view]["seconds"]["total"]),
         differing_pixels=differing,
         max_abs_difference=greatest,
         first_difference=first,
@@ -205,8 +222,7 @@ def _channels(a: Film, b: Film) -> Iterator[tuple[str, NDArray[Any], NDArray[Any
         if plane.ndim == 2:
             yield name, plane, other
         else:
-            letters = "RGB" if name == "albedo" else "XYZ"
-            for index, letter in enumerate(letters):
+            for index, letter in enumerate(AOVS[name].letters):
                 yield f"{name}.{letter}", plane[..., index], other[..., index]
 
 
@@ -221,17 +237,23 @@ def _greatest_difference(a: NDArray[Any], b: NDArray[Any]) -> float:
 
 
 def _brute_force_differing(
-    judge: ShotTracer, film: Film, frame: Frame, count: int, settings: TraceSettings
+    tracer: ShotTracer, judge: ShotTracer, view: int, frame: Frame, count: int
 ) -> int:
     """Pixels of a sample, the frame's own but always the same, that the twin sees otherwise."""
-    height, width = film.beauty.shape[:2]
+    beauty = tracer.renderer.beauty(view)
+    planes = {
+        name: tracer.renderer.aov(name, view)
+        for name in sources(tracer.aovs(view))
+        if not name.startswith("irt.")
+    }
+    height, width = beauty.shape[:2]
     sample = random.Random(format_frame(frame)).sample(range(width * height), count)
     differing = 0
     for index in sample:
         y, x = divmod(index, width)
-        twin = judge.renderer.brute_force_pixel(x, y)
-        same = _same_bits(twin["beauty"], film.beauty[y, x]) and all(
-            _same_bits(twin[name], film.aovs[name][y, x]) for name in settings.aovs
+        twin = judge.renderer.brute_force_pixel(x, y, view)
+        same = _same_bits(twin["beauty"], beauty[y, x]) and all(
+            _same_bits(twin[name], plane[y, x]) for name, plane in planes.items()
         )
         differing += not same
     return differing

@@ -11,11 +11,18 @@ from irt_usd.stage.attributes import where
 class StageColors:
     """What leads the stage's colours to its rendering space."""
 
-    def __init__(self, stage: Usd.Stage, report: Report) -> None:
-        """Raises InputError where the rendering space is not known, or is not linear."""
+    def __init__(self, stage: Usd.Stage, report: Report, settings_path: str = "") -> None:
+        """`settings_path`: the render settings, where they are other than the stage's own.
+
+        Raises InputError where the rendering space is not known, or is not linear.
+        """
         self._report = report
         self._cache = Usd.ColorSpaceHashCache()
-        settings = UsdRender.Settings.GetStageRenderSettings(stage)
+        settings = (
+            UsdRender.Settings.Get(stage, settings_path)
+            if settings_path
+            else UsdRender.Settings.GetStageRenderSettings(stage)
+        )
         attribute = settings.GetRenderingColorSpaceAttr() if settings else None
         name = str(attribute.Get() or "") if attribute else ""
         if attribute and name:

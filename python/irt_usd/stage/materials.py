@@ -49,18 +49,18 @@ def is_materialx(identifier: str) -> bool:
 
 
 def bound_materials(
-    prims: list[Usd.Prim], report: Report
+    prims: list[Usd.Prim], report: Report, purpose: str = "full"
 ) -> list[tuple[Sdf.Path, UsdShade.Material | None]]:
     """For each prim the material that its binding resolves to, and its path.
 
-    By UsdShade's rules for the full-quality purpose, inherited and collection bindings included.
+    By UsdShade's rules for the purpose, inherited and collection bindings included.
     Missing ones are reported.
     """
     found = []
     try:
-        materials, relationships = _compute_bound(prims)
+        materials, relationships = _compute_bound(prims, purpose)
     except Tf.ErrorException:
-        one_by_one = [attempt(partial(_compute_bound, [p]), p, report) for p in prims]
+        one_by_one = [attempt(partial(_compute_bound, [p], purpose), p, report) for p in prims]
         materials = [found[0][0] if found else None for found in one_by_one]
         relationships = [found[1][0] if found else None for found in one_by_one]
     for material, relationship in zip(materials, relationships, strict=True):
@@ -77,9 +77,7 @@ def bound_materials(
 
 
 def _compute_bound(
-    prims: list[Usd.Prim],
+    prims: list[Usd.Prim], purpose: str
 ) -> tuple[list[UsdShade.Material], list[Usd.Relationship]]:
-    materials, relationships = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(
-        prims, UsdShade.Tokens.full
-    )
+    materials, relationships = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, purpose)
     return materials, relationships

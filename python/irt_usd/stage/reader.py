@@ -14,19 +14,19 @@ from irt_usd.errors import InputError
 from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
-from irt_usd.stage.camera import CameraSource, choose_camera, same_camera
+from irt_usd.stage.camera import CameraSource, same_camera
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
 from irt_usd.stage.instances import InstancerSource, PrototypeSource
-from irt_usd.stage.lights import CAMERA_LIGHT, LightSource, camera_light
+from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource, ShapeSource
 from irt_usd.stage.points import PointsSource
 from irt_usd.stage.quadrics import QuadricSource
-from irt_usd.stage.settings import settings_purposes, settings_size
+from irt_usd.stage.settings import BINDING_PURPOSES, Settings, read_settings
 from irt_usd.stage.skel import Skin, Skins
 from irt_usd.stage.snapshot import (
     CameraState,
@@ -39,11 +39,7 @@ from irt_usd.stage.snapshot import (
 from irt_usd.stage.subsets import material_subsets
 from irt_usd.stage.survey import survey, survey_prototype
 from irt_usd.stage.transforms import Node
-
-_DEFAULT_WIDTH = 960
-
-_MAX_SIDE = 65536
-"""Widest and highest image, in pixels: beyond it a request is taken for a slip."""
+from irt_usd.stage.views import View, ViewOptions, plan_views
 
 _Worn = tuple[str, ShapeSource | None]
 """A material's name, and the reader of the shape that wears it; None: it cannot be read."""
@@ -56,10 +52,13 @@ _State = TypeVar("_State", covariant=True)
 class ReadOptions:
     """What of the stage is read, and how it is seen.
 
-    `camera`: a path or a bare name; None: the render settings' or the only one. `purposes`: which
-    of UsdGeom's are rendered; None: the render settings', or default and render. `camera_light`:
-    whether a stage without a light that irt renders gets one at the camera. `size`: width and
-    height in pixels. `missing_asset`: what becomes of a shot whose files are not all there.
+    `settings`: the render settings, a path or a bare name; None: the stage's own. What overrides
+    them: `camera` (a path or a bare name), `size` (width and height of the full frame in pixels),
+    `data_window` (as Framing has it) and `lock_camera` (the time at which cameras are read).
+    `views`: what a reader of the same shot made of all that. `purposes`: which of UsdGeom's are
+    rendered; None: the render settings', or default and render. `camera_light`: whether a stage
+    without a light that irt renders gets one at the first view's camera. `dome_samples`: directions
+    that a dome lights from. `missing_asset`: what becomes of a shot whose files are not all there.
     `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
     may take. `textures`: those of another reader of the same stage.
     """
@@ -72,6 +71,11 @@ class ReadOptions:
     missing_asset: MissingAsset = "fail"
     texture_memory: int | None = None
     textures: TextureLibrary | None = None
+    settings: str | None = None
+    data_window: tuple[float, float, float, float] | None = None
+    lock_camera: float | None = None
+    dome_samples: int = DOME_SAMPLES
+    views: tuple[View, ...] | None = None
 
 
 class _Placed(Protocol[_State]):
@@ -111,21 +115,32 @@ class ShotReader:
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
-        self.camera_path = choose_camera(self._stage, options.camera, self._file)
-        camera = self._stage.GetPrimAtPath(self.camera_path)
-        with self._camera_errors():
-            self._camera = CameraSource(camera, self._file, self._report)
-            self._camera.report_unsupported(self._report, Usd.TimeCode(frames[0]))
-            self.size = self._find_size(options, Usd.TimeCode(frames[0]))
-        self.purposes = options.purposes or settings_purposes(self._stage)
+        settings = read_settings(self._stage, options.settings, self._file, self._report)
+        self.views = options.views or tuple(self._plan_views(settings, options, frames[0]))
+        """The shot's images, one at least."""
+        self._cameras = [
+            CameraSource(
+                self._stage.GetPrimAtPath(view.camera),
+                self._file,
+                self._report,
+                options.lock_camera,
+            )
+            for view in self.views
+        ]
+        self.purposes = options.purposes or settings.purposes
         """Those of UsdGeom's that are rendered."""
+        self._binding_purpose = (settings.binding_purposes or BINDING_PURPOSES)[0]
         found = survey(self._stage, self.purposes, self._report)
         self._hierarchy = found.hierarchy
-        colors = StageColors(self._stage, self._report)
+        colors = StageColors(self._stage, self._report, settings.path)
         self.colors = colors.spaces
         """What leads to the rendering space."""
         lights = [
-            attempt(partial(LightSource, n.prim, n, self._report, colors), n.prim, self._report)
+            attempt(
+                partial(LightSource, n.prim, n, self._report, colors, options.dome_samples),
+                n.prim,
+                self._report,
+            )
             for n in found.lights
         ]
         self._lights = [light for light in lights if light is not None]
@@ -150,10 +165,19 @@ class ShotReader:
         ]
         if options.textures is None:
             self._find_textures()
+        for light in self._lights:
+            light.link(source.node.path for source in self._objects)
         self._snapshot: Snapshot | None = None
-        with self._camera_errors():
-            self.camera_moves = self._find_camera_moves(frames)
-        """The frames, of those given, whose camera differs from that of the frame before."""
+        self.camera_moves = [self._find_camera_moves(v, frames) for v in range(len(self.views))]
+        """By view the frames, of those given, whose camera differs from that of the frame
+        before."""
+
+    def _plan_views(self, settings: Settings, options: ReadOptions, first: float) -> Sequence[View]:
+        overriding = ViewOptions(
+            options.camera, options.size, options.data_window, options.lock_camera
+        )
+        time = Usd.TimeCode(first)
+        return plan_views(self._stage, settings, overriding, time, self._file, self._report)
 
     def read(self, time: float) -> Snapshot:
         """The shot at `time` (in time codes), in any order of times.
@@ -168,16 +192,16 @@ class ShotReader:
             return self._snapshot
 
     def camera_position(self, time: Usd.TimeCode) -> Vector:
-        """Where the camera is at `time`, in world space, finite or not."""
+        """Where the first view's camera is at `time`, in world space, finite or not."""
         with self._diagnostics():
-            return self._camera.position(time)
+            return self._cameras[0].position(time)
 
     def _diagnostics(self) -> AbstractContextManager[None]:
         return usd_diagnostics(self._report, self._stage, self._file, self._missing_asset)
 
     def _next(self, time: Usd.TimeCode, old: Snapshot | None) -> Snapshot:
-        with self._camera_errors():
-            camera = self._camera.read(time, self.size)
+        cameras = tuple(self._read_camera(view, time) for view in range(len(self.views)))
+        camera = cameras[0]
         hidden = set(old.hidden) if old else set()
         objects = _seen(self._objects, time, hidden, self._report)
         changed_lights = _seen(self._lights, time, hidden, self._report)
@@ -198,7 +222,7 @@ class ShotReader:
             _updated(old.objects if old else {}, objects),
             _updated(old.materials if old else {}, materials),
             lights,
-            camera,
+            cameras,
             old.hidden if old and hidden == old.hidden else frozenset(hidden),
         )
 
@@ -206,7 +230,9 @@ class ShotReader:
         """Sources of the objects, and (in passing) of every material they wear."""
         sources = []
         skins = Skins(self._hierarchy, self._report)
-        bindings = bound_materials([node.prim for node in nodes], self._report)
+        bindings = bound_materials(
+            [node.prim for node in nodes], self._report, self._binding_purpose
+        )
         for node, (_, material) in zip(nodes, bindings, strict=True):
             skin = attempt(partial(skins.skin, node), node.prim, self._report)
             name, shape = self._shape(node, material, skin, divided)
@@ -253,7 +279,9 @@ class ShotReader:
         prims = attempt(partial(material_subsets, node.prim), node.prim, self._report) or []
         worn = []
         read: frozenset[str] = frozenset()
-        for prim, (_, material) in zip(prims, bound_materials(prims, self._report), strict=True):
+        for prim, (_, material) in zip(
+            prims, bound_materials(prims, self._report, self._binding_purpose), strict=True
+        ):
             source = self._materials.bound(material)
             if source is not None:
                 worn.append((prim, source.path))
@@ -324,34 +352,18 @@ class ShotReader:
         references = self._materials.references()
         self.textures.survey(references, self._stage, self._missing_asset, self._file)
 
-    def _camera_errors(self) -> AbstractContextManager[None]:
-        return usd_errors(f"{self._file}: the camera {self.camera_path}")
+    def _read_camera(self, view: int, time: Usd.TimeCode) -> CameraState:
+        with usd_errors(f"{self._file}: the camera {self.views[view].camera}"):
+            return self._cameras[view].read(time, self.views[view].framing)
 
-    def _find_size(self, options: ReadOptions, time: Usd.TimeCode) -> tuple[int, int]:
-        authored = settings_size(self._stage, self._report)
-        if options.size is not None:
-            size, origin = options.size, "the size asked for"
-        elif authored is not None:
-            size, origin = authored, "the render settings' resolution"
-        else:
-            aspect = self._camera.aspect(time)
-            size = (_DEFAULT_WIDTH, max(1, int(_DEFAULT_WIDTH / aspect)))
-            origin = f"the apertures of {self.camera_path}"
-        width, height = size
-        if not (1 <= width <= _MAX_SIDE and 1 <= height <= _MAX_SIDE):
-            raise InputError(
-                f"{self._file}: {origin}: an image of {width:.9g}x{height:.9g} pixels;"
-                f" expected 1 to {_MAX_SIDE} a side; mend it or give --size"
-            )
-        return width, height
-
-    def _find_camera_moves(self, frames: Sequence[float]) -> list[float]:
-        if not self._camera.varies:
+    def _find_camera_moves(self, view: int, frames: Sequence[float]) -> list[float]:
+        if not self._cameras[view].varies:
+            self._read_camera(view, Usd.TimeCode(frames[0]))
             return []
         moves = []
         previous: CameraState | None = None
         for frame in frames:
-            camera = self._camera.read(Usd.TimeCode(frame), self.size)
+            camera = self._read_camera(view, Usd.TimeCode(frame))
             if previous is not None and not same_camera(previous, camera):
                 moves.append(frame)
             previous = camera

@@ -1,53 +1,235 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the stage's own render settings (UsdRenderSettings) say of the shot."""
+"""UsdRenderSettings, products and vars, as UsdRenderComputeSpec reads them.
 
-from typing import cast
+A product's authored values override those of its settings. Attributes of other renderers are
+ignored. Nothing here needs time but the products' names: the schema's other attributes are uniform.
+"""
 
-from pxr import Usd, UsdRender, Vt
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
 
+import numpy as np
+from pxr import Sdf, Usd, UsdRender
+
+from irt_usd.errors import InputError
 from irt_usd.report import Report
-from irt_usd.stage.attributes import Attributes
+from irt_usd.stage.attributes import Attributes, where
+from irt_usd.stage.framing import POLICIES, WHOLE
 
 PURPOSES = ("default", "render")
 """UsdGeom's purposes that are rendered, as UsdRenderSettings has it by default."""
 
-_NAMES = ("resolution", "pixelAspectRatio", "dataWindowNDC")
+BINDING_PURPOSES = ("full", "")
+"""Purposes of material bindings, the first being preferred, as UsdRenderSettings has it."""
+
+_BASE = (
+    "resolution",
+    "pixelAspectRatio",
+    "aspectRatioConformPolicy",
+    "dataWindowNDC",
+    "disableMotionBlur",
+    "disableDepthOfField",
+    "instantaneousShutter",
+)
 
 
-def settings_camera(stage: Usd.Stage) -> str | None:
-    """The camera that the stage's render settings name, if any."""
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    targets = settings.GetCameraRel().GetForwardedTargets() if settings else []
-    return str(targets[0]) if targets else None
+@dataclass(frozen=True)
+class RenderVar:
+    """What a product wants of each pixel."""
+
+    path: str
+    source: str
+    source_type: str
+    data_type: str
+    layer: str
+    """Name of its EXR layer."""
 
 
-def settings_purposes(stage: Usd.Stage) -> tuple[str, ...]:
-    """The purposes that the stage's render settings include; default and render without any."""
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    included = settings.GetIncludedPurposesAttr().Get() if settings else None
-    return tuple(included) if isinstance(included, Vt.TokenArray) else PURPOSES
+@dataclass(frozen=True)
+class Product:
+    """An image that the settings ask for. None: not authored, and to be found elsewhere."""
+
+    path: str = ""
+    """Empty where no product is authored."""
+    camera: str | None = None
+    resolution: tuple[int, int] | None = None
+    pixel_aspect: float = 1.0
+    policy: str = "adjustApertureHeight"
+    data_window: tuple[float, float, float, float] = WHOLE
+    motion_blur: bool = True
+    depth_of_field: bool = True
+    variables: tuple[RenderVar, ...] = ()
+    name: Usd.AttributeQuery | None = field(default=None, compare=False)
+
+    def name_at(self, time: float) -> str:
+        """The product's file name at `time`; empty where none is authored."""
+        value = self.name.Get(Usd.TimeCode(time)) if self.name is not None else None
+        return str(value) if value else ""
+
+    @property
+    def place(self) -> str:
+        """Where its file name is authored, for messages."""
+        if self.name is None:
+            return self.path
+        return where(self.name.GetAttribute().GetPrim(), "productName", Usd.TimeCode.Default())
 
 
-def settings_size(stage: Usd.Stage, report: Report) -> tuple[int, int] | None:
-    """Width and height that the stage's render settings author, if any.
+@dataclass(frozen=True)
+class Settings:
+    """What the stage's render settings say of the shot; the defaults where it has none."""
 
-    What else they author and would change the picture is reported.
+    path: str = ""
+    products: tuple[Product, ...] = (Product(),)
+    purposes: tuple[str, ...] = PURPOSES
+    binding_purposes: tuple[str, ...] = BINDING_PURPOSES
+
+
+def list_settings(stage: Usd.Stage) -> list[str]:
+    """Paths of the stage's RenderSettings."""
+    return [str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdRender.Settings)]
+
+
+def read_settings(stage: Usd.Stage, wanted: str | None, source: str, report: Report) -> Settings:
+    """The render settings `wanted` (a path or a bare name), or else those that the stage names.
+
+    Raises InputError where there are none of the name `wanted`, or values show nothing.
     """
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    if not settings:
-        path = stage.GetMetadata("renderSettingsPrimPath")
-        if path:
-            message = "the stage's renderSettingsPrimPath names no RenderSettings prim"
-            report.skipped(message, str(path))
-        return None
-    path = str(settings.GetPath())
-    attributes = Attributes(settings.GetPrim(), _NAMES, report)
-    attributes.update(Usd.TimeCode.EarliestTime())
-    values = attributes.values
-    if values["pixelAspectRatio"] != 1:
-        report.unsupported("pixels that are not square", path)
-    if values["dataWindowNDC"] != (0, 0, 1, 1):
-        report.unsupported("render settings' dataWindowNDC (the whole frame rendered)", path)
-    if not settings.GetResolutionAttr().HasAuthoredValue():
-        return None
-    return cast("tuple[int, int]", values["resolution"])
+    if wanted is None:
+        prim = UsdRender.Settings.GetStageRenderSettings(stage).GetPrim()
+        if not prim:
+            path = stage.GetMetadata("renderSettingsPrimPath")
+            if path:
+                message = "the stage's renderSettingsPrimPath names no RenderSettings prim"
+                report.skipped(message, str(path))
+            return Settings()
+    else:
+        found = list_settings(stage)
+        named = [path for path in found if wanted in (path, path.rsplit("/", 1)[1])]
+        if len(named) != 1:
+            listed = "\n  ".join(["its render settings:", *found]) if found else "it has none"
+            what = "no" if not named else "several"
+            raise InputError(f"{source}: {what} RenderSettings '{wanted}'; {listed}")
+        prim = stage.GetPrimAtPath(named[0])
+    return _Reader(stage, prim, source, report).read()
+
+
+class _Reader:
+    def __init__(self, stage: Usd.Stage, prim: Usd.Prim, source: str, report: Report) -> None:
+        self._stage = stage
+        self._prim = prim
+        self._source = source
+        self._report = report
+
+    def read(self) -> Settings:
+        names = (*_BASE, "includedPurposes", "materialBindingPurposes")
+        values = self._values(self._prim, names)
+        products = []
+        for target in self._targets(self._prim, "products"):
+            prim = self._stage.GetPrimAtPath(target)
+            if not prim or not prim.IsA(UsdRender.Product):
+                message = "a render product that does not exist"
+                self._report.skipped(message, f"<{target}> of {self._place('products')}")
+                continue
+            products.append(self._product(prim, values))
+        path = str(self._prim.GetPath())
+        if not products:
+            products = [self._product(None, values)]
+        purposes = _tokens(values["includedPurposes"])
+        binding = _tokens(values["materialBindingPurposes"]) or BINDING_PURPOSES
+        return Settings(path, tuple(products), purposes, binding)
+
+    def _product(self, prim: Usd.Prim | None, settings: dict[str, Any]) -> Product:
+        values = dict(settings)
+        authored = {n for n in _BASE if self._prim.GetAttribute(n).HasAuthoredValue()}
+        holder = dict.fromkeys((*_BASE, "camera"), self._prim)
+        cameras = self._targets(self._prim, "camera")
+        name: Usd.AttributeQuery | None = None
+        variables: tuple[RenderVar, ...] = ()
+        if prim is not None:
+            own = self._values(prim, (*_BASE, "productType"))
+            for key in _BASE:
+                if prim.GetAttribute(key).HasAuthoredValue():
+                    values[key] = own[key]
+                    authored.add(key)
+                    holder[key] = prim
+            if self._targets(prim, "camera"):
+                cameras = self._targets(prim, "camera")
+                holder["camera"] = prim
+            if own["productType"] != "raster":
+                kind = f"productType {own['productType']} (a flat image written)"
+                self._report.unsupported(kind, str(prim.GetPath()))
+            name = Usd.AttributeQuery(prim, "productName")
+            variables = self._variables(prim)
+        self._check(values, holder)
+        if cameras and not self._stage.GetPrimAtPath(cameras[0]):
+            place = where(holder["camera"], "camera", Usd.TimeCode.Default())
+            raise InputError(
+                f"{self._source}: no camera <{cameras[0]}>, which is the target of {place}; mend it"
+                " or give --camera"
+            )
+        shutter = values["disableMotionBlur"] or values["instantaneousShutter"]
+        return Product(
+            path=str(prim.GetPath()) if prim is not None else "",
+            camera=str(cameras[0]) if cameras else None,
+            resolution=values["resolution"] if "resolution" in authored else None,
+            pixel_aspect=values["pixelAspectRatio"],
+            policy=values["aspectRatioConformPolicy"],
+            data_window=values["dataWindowNDC"],
+            motion_blur=not shutter,
+            depth_of_field=not values["disableDepthOfField"],
+            variables=variables,
+            name=name,
+        )
+
+    def _check(self, values: dict[str, Any], holder: dict[str, Usd.Prim]) -> None:
+        def refuse(name: str, wanted: str) -> None:
+            place = where(holder[name], name, Usd.TimeCode.Default())
+            value = values[name]
+            raise InputError(f"{self._source}: {name} is {value}; expected {wanted}: {place}")
+
+        aspect, window = values["pixelAspectRatio"], values["dataWindowNDC"]
+        if not (isfinite(aspect) and aspect > 0):
+            refuse("pixelAspectRatio", "a positive finite number")
+        if values["aspectRatioConformPolicy"] not in POLICIES:
+            refuse("aspectRatioConformPolicy", f"one of {', '.join(POLICIES)}")
+        if not (all(map(isfinite, window)) and window[0] < window[2] and window[1] < window[3]):
+            refuse("dataWindowNDC", "left, bottom, right, top, in that order")
+
+    def _variables(self, product: Usd.Prim) -> tuple[RenderVar, ...]:
+        found = []
+        for target in self._targets(product, "orderedVars"):
+            prim = self._stage.GetPrimAtPath(target)
+            if not prim or not prim.IsA(UsdRender.Var):
+                place = where(product, "orderedVars", Usd.TimeCode.Default())
+                self._report.skipped("a render var that does not exist", f"<{target}> of {place}")
+                continue
+            values = self._values(prim, ("sourceName", "sourceType", "dataType"))
+            layer = prim.GetAttribute("driver:parameters:aov:name")
+            authored = layer.Get() if layer and layer.HasAuthoredValue() else None
+            found.append(
+                RenderVar(
+                    str(target),
+                    str(values["sourceName"] or prim.GetName()),
+                    str(values["sourceType"]),
+                    str(values["dataType"]),
+                    str(authored or prim.GetName()),
+                )
+            )
+        return tuple(found)
+
+    def _values(self, prim: Usd.Prim, names: Iterable[str]) -> dict[str, Any]:
+        attributes = Attributes(prim, names, self._report)
+        attributes.update(Usd.TimeCode.EarliestTime())
+        return dict(attributes.values)
+
+    def _targets(self, prim: Usd.Prim, name: str) -> list[Sdf.Path]:
+        return list(prim.GetRelationship(name).GetForwardedTargets())
+
+    def _place(self, name: str) -> str:
+        return where(self._prim, name, Usd.TimeCode.Default())
+
+
+def _tokens(value: Any) -> tuple[str, ...]:
+    return tuple(map(str, np.ravel(value))) if value is not None else ()

@@ -5,8 +5,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,28 +133,52 @@ class MaterialState:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LightState:
-    """A visible light, reduced to a delta light."""
+    """A visible light, reduced to a delta light, or a dome to several."""
 
     path: str
-    kind: Literal["distant", "point"]
+    kind: Literal["distant", "point", "dome"]
     attributes: Mapping[str, Value]
     aim: Vector
     """World space: the unit direction in which a distant light travels, or a point's position."""
     energy: Vector
-    """Scene-linear RGB: irradiance at normal incidence, or a point's radiant intensity."""
+    """Scene-linear RGB: irradiance at normal incidence, a point's greatest radiant intensity or a
+    dome's radiance."""
     casts_shadows: bool
+    modifiers: Mapping[str, Any] = field(default_factory=dict)
+    """Of the core's record, as _core.Light has them."""
+    directions: int = 0
+    """That a dome lights from."""
 
-    def core(self) -> "_core.Light":
-        """The core's record."""
+    def core(self) -> dict[str, "_core.Light"]:
+        """The core's records, by name: of a dome the sky, and the lights that stand for it."""
         from irt_usd import _core
 
+        shaped = dict(self.modifiers)
+        if self.kind == "point":
+            light = _core.Light.point(self.aim, self.energy, self.casts_shadows, modifiers=shaped)
+            return {self.path: light}
         if self.kind == "distant":
-            return _core.Light.distant(self.aim, self.energy, self.casts_shadows)
-        return _core.Light.point(self.aim, self.energy, self.casts_shadows)
+            light = _core.Light.distant(self.aim, self.energy, self.casts_shadows, modifiers=shaped)
+            return {self.path: light}
+        from irt_usd.stage.lights import dome_directions
+
+        share = 4 * pi / self.directions
+        energy = [channel * share for channel in self.energy]
+        lights = {self.path: _core.Light.environment(self.energy)}
+        for name, direction in zip(self.names()[1:], dome_directions(self.directions), strict=True):
+            lights[name] = _core.Light.distant(
+                direction, energy, self.casts_shadows, modifiers=shaped
+            )
+        return lights
+
+    def names(self) -> list[str]:
+        """Of the core's records."""
+        return [self.path, *(f"{self.path}#{i:04d}" for i in range(self.directions))]
 
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
-        changes.set_light(self.path, self.core())
+        for name, light in self.core().items():
+            changes.set_light(name, light)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -167,12 +192,18 @@ class CameraState:
     window: tuple[float, float, float, float]
     """Left, right, bottom, top: on the plane z = -1 (perspective) or in camera units."""
     orthographic: bool
+    clipping: tuple[float, float]
+    """Near and far, as depths."""
+    pixel_aspect: float
+    """Width over height of a pixel."""
+    exposure: float
+    """What written radiances are multiplied by."""
 
     def core(self) -> "_core.Camera":
         """The core's record."""
         from irt_usd import _core
 
-        return _core.Camera(self.world_from_camera, self.window, self.orthographic)
+        return _core.Camera(self.world_from_camera, self.window, self.orthographic, self.clipping)
 
 
 State = ObjectState | MaterialState | LightState | CameraState
@@ -190,6 +221,12 @@ class Snapshot:
     objects: Mapping[str, ObjectState]
     materials: Mapping[str, MaterialState]
     lights: Mapping[str, LightState]
-    camera: CameraState
+    cameras: tuple[CameraState, ...]
+    """By view."""
     hidden: frozenset[str] = field(default_factory=frozenset)
     """Objects and lights that are invisible at this time."""
+
+    @property
+    def camera(self) -> CameraState:
+        """The first view's."""
+        return self.cameras[0]
