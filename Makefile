@@ -17,7 +17,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    mutants ablation voxel-walk exact-hits fingerprint clean
+    mutants ablation voxel-walk exact-hits numerics fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -53,6 +53,13 @@ test-cpp: $(BUILD)/.tests-built
 
 test-python: setup
 	@$(VENV)/bin/pytest
+	@$(VENV)/bin/pytest tests/extremes
+
+## docs/numerics.md: the extremes with all their inputs.
+numerics: setup
+	@mkdir -p out
+	@$(VENV)/bin/pytest tests/extremes --full --report out/numerics.md
+	@cat out/numerics.md
 
 CPP_FILES = $(shell find cpp tests/cpp -name '*.h' -o -name '*.cpp')
 check: setup

@@ -22,7 +22,7 @@ namespace {
 /// Largest image side; beyond it pixel indices would leave 32 bits.
 constexpr int max_side = 65536;
 constexpr int max_samples = 4096;
-constexpr int max_depth = 64;
+constexpr int max_depth = 10000;
 
 /// Samples to a distinct path: room in the table is made for so few. Where there are more, paths
 /// share a place that is always flagged.
@@ -39,7 +39,7 @@ ViewSettings checked(ViewSettings s) {
     if (s.samples < 1 || s.samples > max_samples)
         throw std::invalid_argument("samples must be 1 to 4096");
     if (s.shade.max_depth < 0 || s.shade.max_depth > max_depth)
-        throw std::invalid_argument("max depth must be 0 to 64");
+        throw std::invalid_argument("max depth must be 0 to 10000");
     if (!(s.shade.throughput_cutoff > 0 && s.shade.throughput_cutoff <= 1))
         throw std::invalid_argument("throughput cut-off must be above 0 and at most 1");
     if (!(s.shade.mirror_roughness >= 0 && s.shade.mirror_roughness <= 1))

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "irt/math/bits.h"
+#include "irt/shade/fresh_stack.h"
 #include "irt/trace/candidate.h"
 #include "irt/trace/judge_object.h"
 
@@ -231,7 +232,8 @@ class Checker {
             require(same_bits(spawned.origin, ray.origin) &&
                         same_bits(spawned.direction, ray.direction),
                     below, "a branch's ray is the one that its point spawns");
-            branch(below, index, depth + 1, cost + *price, travelled);
+            shade::with_stack_for(
+                depth + 1, [&] { branch(below, index, depth + 1, cost + *price, travelled); });
         }
         require(kept.own_cut == cut, index, "own_cut is the least price of the branches cut");
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "irt/shade/fresh_stack.h"
 #include "irt/shade/recorder.h"
 #include "irt/trace/brute_force.h"
 
@@ -78,8 +79,10 @@ void Whitted<Source>::branch(const VisiblePoint& point, const V3d& direction, co
     const std::optional<std::int64_t> own = price(share);
     if (!own || !shading_.affordable(cost + *own)) return;
     ++kind;
-    const V3f below =
-        trace(shading_.spawned_ray(point, direction), depth + 1, cost + *own, travelled, scratch);
+    const V3f below = with_stack_for(depth + 1, [&] {
+        return trace(shading_.spawned_ray(point, direction), depth + 1, cost + *own, travelled,
+                     scratch);
+    });
     V3f *columns = level(scratch, depth), *columns_below = level(scratch, depth + 1);
     for (std::size_t l = 0; l < lights().size(); ++l)
         columns[l] = add_scaled(columns[l], share, columns_below[l]);

@@ -6,6 +6,7 @@
 
 #include "irt/math/bits.h"
 #include "irt/mutant.h"
+#include "irt/shade/fresh_stack.h"
 
 namespace irt::update {
 
@@ -122,7 +123,9 @@ void CellUpdate::walk(NodeIndex node, int depth, std::int64_t cost) {
             const KeptPoint& point = trees_.points[trees_.nodes[node].point];
             const NodeIndex branch = point.branches[which];
             if (branch != no_node && trees_.marks[branch])
-                walk(branch, depth + 1, cost + point.prices[which]);
+                shade::with_stack_for(depth + 1, [&, price = point.prices[which]] {
+                    walk(branch, depth + 1, cost + price);
+                });
         }
     }
     lists_.combined.push_back(node);
@@ -237,7 +240,8 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
     trees_.points[at].prices[which] = static_cast<std::int16_t>(*price);
     if (branch != no_node) {
         trees_.nodes[branch].weight = share;
-        if (trees_.marks[branch]) walk(branch, depth + 1, below);
+        if (trees_.marks[branch])
+            shade::with_stack_for(depth + 1, [&] { walk(branch, depth + 1, below); });
         return;
     }
     ++(which == 0 ? counts_.rays.reflected : counts_.rays.refracted);
@@ -248,7 +252,7 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
     fresh.direction = ray.direction;
     fresh.weight = share;
     fresh.parent = node;
-    trace_new(branch, ray, depth + 1, below);
+    shade::with_stack_for(depth + 1, [&] { trace_new(branch, ray, depth + 1, below); });
 }
 
 /// Whether a branch still has its ray, and the price of the way to it, `cost`, neither cuts what

@@ -212,7 +212,7 @@ def trace_options(command: Command) -> Command:
         _number("--samples", click.IntRange(1, 4096), _DEFAULTS.samples, "Samples a pixel."),
         _number(
             "--max-depth",
-            click.IntRange(0, 64),
+            click.IntRange(0, 10_000),
             _DEFAULTS.max_depth,
             "Reflections and refractions after the primary ray.",
         ),
