@@ -137,9 +137,10 @@ std::shared_ptr<ShadeNode> make_node(const std::string& op, const std::vector<st
 using Connected = std::map<std::string, std::pair<std::int32_t, std::string>>;
 
 Material make_material(const Triple& diffuse, const Triple& emissive, const Triple& specular,
-                       bool specular_workflow, float metallic, float roughness, float clearcoat,
-                       float clearcoat_roughness, float opacity, float opacity_threshold, float ior,
-                       const Triple& normal, const Triple& transmission,
+                       bool specular_workflow, bool presence, float metallic, float roughness,
+                       float clearcoat, float clearcoat_roughness, float opacity,
+                       float opacity_threshold, float ior, const Triple& normal,
+                       const Triple& transmission,
                        const std::vector<std::shared_ptr<ShadeNode>>& nodes,
                        const Connected& connected) {
     Material material;
@@ -147,6 +148,7 @@ Material make_material(const Triple& diffuse, const Triple& emissive, const Trip
     material.emissive_color = vec3f(emissive);
     material.specular_color = vec3f(specular);
     material.use_specular_workflow = specular_workflow;
+    material.opacity_is_presence = presence;
     material.metallic = metallic;
     material.roughness = roughness;
     material.clearcoat = clearcoat;
@@ -185,6 +187,7 @@ void bind_materials(py::module_& module) {
              py::arg("emissive_color") = triple(d.emissive_color),
              py::arg("specular_color") = triple(d.specular_color),
              py::arg("use_specular_workflow") = d.use_specular_workflow,
+             py::arg("opacity_is_presence") = d.opacity_is_presence,
              py::arg("metallic") = d.metallic, py::arg("roughness") = d.roughness,
              py::arg("clearcoat") = d.clearcoat,
              py::arg("clearcoat_roughness") = d.clearcoat_roughness, py::arg("opacity") = d.opacity,

@@ -223,9 +223,10 @@ class ShadeNode:
 class Material:
     """UsdPreviewSurface's inputs, with its defaults; colours are scene-linear RGB.
 
-    `connected` gives the inputs of those names (all but `use_specular_workflow`) a node of `nodes`
-    and its channel: "rgb", or one of "r", "g", "b", "a". `normal` is in tangent space.
-    `transmission_color`, none of UsdPreviewSurface's, tints a refracted ray at each surface.
+    `connected` gives the inputs of those names (all but the two switches) a node of `nodes` and its
+    channel: "rgb", or one of "r", "g", "b", "a". `normal` is in tangent space.
+    `opacity_is_presence` is opacityMode "presence". `transmission_color`, none of
+    UsdPreviewSurface's, tints a refracted ray at each surface.
     """
 
     def __init__(
@@ -235,6 +236,7 @@ class Material:
         emissive_color: Vec3 = ...,
         specular_color: Vec3 = ...,
         use_specular_workflow: bool = False,
+        opacity_is_presence: bool = False,
         metallic: float = 0.0,
         roughness: float = 0.5,
         clearcoat: float = 0.0,

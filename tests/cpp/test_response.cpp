@@ -127,6 +127,34 @@ TEST(Response, TotalReflectionStartsAtTheCriticalAngle) {
     EXPECT_EQ(above.reflect_weight.x, 1);
 }
 
+TEST(Response, PresenceScalesAllOfASurfaceAndLetsTheRestBy) {
+    Material m;
+    m.emissive_color = {0.25f, 0.5f, 1};
+    m.clearcoat = 0.5f;
+    m.roughness = 0;
+    const Response whole = make_response(m, 0.1);
+    m.opacity = 0.25f;
+    m.opacity_is_presence = true;
+    const Response part = make_response(m, 0.1);
+    const V3d in = direction(0.7, 0.3), out = direction(0.4, 2);
+    EXPECT_EQ(part.emission, whole.emission * 0.25);
+    EXPECT_NEAR(
+        (reflected_share(part, up, in, out) - reflected_share(whole, up, in, out) * 0.25).length(),
+        0, 1e-15);
+    for (const bool front : {true, false}) {
+        const Spawned all = spawn(whole, -in, up, up, front),
+                      some = spawn(part, -in, up, up, front);
+        EXPECT_EQ(some.refract_direction, -in);
+        EXPECT_EQ(some.refract_weight, V3d(0.75, 0.75, 0.75));
+        EXPECT_EQ(some.reflect_weight, all.reflect_weight * 0.25);
+        EXPECT_EQ(some.reflect_direction, all.reflect_direction);
+    }
+    m.opacity = 0;
+    EXPECT_TRUE(make_response(m, 0.1).invisible());
+    m.opacity_is_presence = false;
+    EXPECT_FALSE(make_response(m, 0.1).invisible());
+}
+
 TEST(Response, SpawnedRaysStayOnTheirSideOfTheGeometry) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> polar(0.01, 1.55), azimuth(0, 6.28);

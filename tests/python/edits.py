@@ -49,6 +49,7 @@ LOOKS: dict[str, Sequence[Any]] = {
     "transmission_color": ((1.0, 1.0, 1.0), (0.25, 1.0, 0.0)),
     "emissive_color": ((0.0, 0.0, 0.0), (0.5, 0.25, 0.0)),
     "use_specular_workflow": (False, True),
+    "opacity_is_presence": (False, True),
 }
 
 

@@ -106,6 +106,43 @@ def test_glass_slab_shifts_by_snells_law(ior: float) -> None:
     assert not lit(landing + 1e-4)
 
 
+def test_a_surface_present_in_part_mixes_with_what_is_behind() -> None:
+    """Light, emission and clear coat are those of the surface, by its share."""
+    seen = {}
+    for presence in (1.0, 0.25, 0.0):
+        changes = scene(
+            matt=MATT,
+            pane=_core.Material(
+                diffuse_color=(0.5, 0.2, 0.1),
+                emissive_color=(0.1, 0.2, 0.3),
+                roughness=0.3,
+                clearcoat=1.0,
+                opacity=presence,
+                opacity_is_presence=True,
+            ),
+        )
+        changes.set_object("/wall", _core.Quadric.plane(100, 100), placed(0, 0, -9), "/matt")
+        changes.set_object("/pane", _core.Quadric.plane(2, 2), placed(0, 0, -2), "/pane")
+        changes.set_light("/key", _core.Light.distant((0, 0, -1), (1, 1, 1), False))
+        seen[presence] = render(changes).beauty()[..., :3].astype(float)
+    assert (seen[1.0] != seen[0.0]).any()
+    np.testing.assert_allclose(seen[0.25], 0.25 * seen[1.0] + 0.75 * seen[0.0], rtol=1e-5)
+
+
+@pytest.mark.parametrize(("presence", "passed"), [(False, 0.75 * 0.5), (True, 0.75)])
+def test_shadow_of_a_transparent_pane(presence: bool, passed: float) -> None:
+    """What is transmitted is tinted, what goes by is not."""
+    pane = _core.Material(diffuse_color=(0.5, 0.5, 0.5), opacity=0.25, opacity_is_presence=presence)
+    changes = scene(matt=MATT, pane=pane)
+    changes.set_object("/wall", _core.Quadric.plane(100, 100), placed(0, 0, -1), "/matt")
+    changes.set_light("/key", _core.Light.distant((0, 0, -1), (1, 1, 1)))
+    open_level = render(changes, size=(1, 1)).beauty()[0, 0, 0]
+    changes.set_object("/pane", _core.Quadric.plane(9, 9), placed(0, 0, 3), "/pane")
+    assert render(changes, size=(1, 1)).beauty()[0, 0, 0] / open_level == pytest.approx(
+        passed, rel=2e-4
+    )
+
+
 def test_point_light_falls_off_by_the_inverse_square() -> None:
     changes = scene(matt=MATT)
     changes.set_object("/wall", _core.Quadric.plane(100, 100), placed(0, 0, -1), "/matt")

@@ -82,14 +82,24 @@ def test_interface_inputs_are_followed(shot: MakeShot) -> None:
     assert not made.notices("unsupported")
 
 
-@pytest.mark.parametrize(
-    "line", ["float inputs:displacement = 0.5", 'token inputs:opacityMode = "presence"']
-)
-def test_inputs_that_are_not_rendered(shot: MakeShot, line: str) -> None:
-    made = shot(material(line))
+def test_displacement_is_not_rendered(shot: MakeShot) -> None:
+    made = shot(material("float inputs:displacement = 0.5"))
     assert worn(made).attributes == DEFAULTS
     (text,) = made.notices("unsupported")
-    assert line.split(":")[1].split(" ")[0] in text
+    assert "displacement" in text
+
+
+def test_presence(shot: MakeShot) -> None:
+    made = shot(material('token inputs:opacityMode = "presence"'))
+    assert worn(made).attributes == {**DEFAULTS, "opacityMode": "presence"}
+    assert not made.notices("unsupported")
+
+
+def test_an_unknown_opacity_mode(shot: MakeShot) -> None:
+    made = shot(material('token inputs:opacityMode = "holes"'))
+    assert worn(made).attributes == DEFAULTS
+    (text,) = made.notices("skipped")
+    assert "opacityMode is holes; expected transparent, presence; transparent is rendered" in text
 
 
 def test_occlusion_is_for_renderers_that_find_none(shot: MakeShot) -> None:

@@ -385,9 +385,9 @@ trace::OpticalDepth shadow_depth(const SurfaceValues& material) {
     const double through = 1.0 - effective_opacity(material);
     trace::OpticalDepth depth;
     for (int c = 0; c < 3; ++c) {
-        // A cut-out (threshold) is absent, not tinted.
+        // What is absent tints nothing.
         const double tint =
-            material.opacity_threshold > 0 ? 1.0 : std::clamp(material.diffuse_color[c], 0.0, 1.0);
+            is_presence(material) ? 1.0 : std::clamp(material.diffuse_color[c], 0.0, 1.0);
         const double steps = std::round(-trace::depth_scale * libm::log2(through * tint));
         depth.rgb[c] =
             steps < trace::depth_opaque ? static_cast<std::uint32_t>(steps) : trace::depth_opaque;

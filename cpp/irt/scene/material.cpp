@@ -57,6 +57,7 @@ SurfaceValues::SurfaceValues(const Material& m)
       emissive_color(m.emissive_color),
       specular_color(m.specular_color),
       use_specular_workflow(m.use_specular_workflow),
+      opacity_is_presence(m.opacity_is_presence),
       metallic(static_cast<double>(m.metallic)),
       roughness(static_cast<double>(m.roughness)),
       clearcoat(static_cast<double>(m.clearcoat)),
@@ -71,7 +72,7 @@ bool tint_varies(const Material& material) {
     return material.connection(SurfaceInput::Opacity) ||
            material.connection(SurfaceInput::OpacityThreshold) ||
            (material.connection(SurfaceInput::DiffuseColor) && effective_opacity(material) < 1 &&
-            !(material.opacity_threshold > 0));
+            !is_presence(material));
 }
 
 double effective_opacity(const SurfaceValues& values) {

@@ -116,6 +116,9 @@ struct Material {
     V3f emissive_color{0, 0, 0};
     V3f specular_color{0, 0, 0};
     bool use_specular_workflow = false;
+    /// opacityMode "presence": opacity is the share of the surface that is there, not what is
+    /// transmitted.
+    bool opacity_is_presence = false;
     float metallic = 0;
     float roughness = 0.5f;
     float clearcoat = 0;
@@ -149,7 +152,7 @@ void check(const Material& material, const std::string& name);
 /// The inputs with values, at a point or everywhere.
 struct SurfaceValues {
     V3d diffuse_color, emissive_color, specular_color;
-    bool use_specular_workflow;
+    bool use_specular_workflow, opacity_is_presence;
     double metallic, roughness, clearcoat, clearcoat_roughness, opacity, opacity_threshold, ior;
     V3d normal, transmission_color;
 
@@ -164,5 +167,11 @@ inline constexpr std::array tint_inputs{SurfaceInput::DiffuseColor, SurfaceInput
 
 /// Opacity after UsdPreviewSurface's opacityThreshold: with a threshold, 0 or 1.
 [[nodiscard]] double effective_opacity(const SurfaceValues& values);
+
+/// Whether what is not opaque is not there (opacityThreshold, opacityMode "presence"), so that rays
+/// go by it as they are.
+[[nodiscard]] inline bool is_presence(const SurfaceValues& values) {
+    return values.opacity_threshold > 0 || values.opacity_is_presence;
+}
 
 }  // namespace irt

@@ -55,8 +55,8 @@ bool same(const Material& a, const Material& b) {
            same_bits(a.emissive_color, b.emissive_color) &&
            same_bits(a.specular_color, b.specular_color) &&
            a.use_specular_workflow == b.use_specular_workflow &&
-           same_bits(a.metallic, b.metallic) && same_bits(a.roughness, b.roughness) &&
-           same_bits(a.clearcoat, b.clearcoat) &&
+           a.opacity_is_presence == b.opacity_is_presence && same_bits(a.metallic, b.metallic) &&
+           same_bits(a.roughness, b.roughness) && same_bits(a.clearcoat, b.clearcoat) &&
            same_bits(a.clearcoat_roughness, b.clearcoat_roughness) &&
            same_bits(a.opacity, b.opacity) && same_bits(a.opacity_threshold, b.opacity_threshold) &&
            same_bits(a.ior, b.ior) && same_bits(a.normal, b.normal) &&
@@ -75,6 +75,7 @@ bool same_tint(const Material& a, const Material& b) {
     SameGraph same_graph(a, b);
     return same_bits(a.diffuse_color, b.diffuse_color) && same_bits(a.opacity, b.opacity) &&
            same_bits(a.opacity_threshold, b.opacity_threshold) &&
+           a.opacity_is_presence == b.opacity_is_presence &&
            std::all_of(tint_inputs.begin(), tint_inputs.end(), [&](SurfaceInput input) {
                const Connection &x = a.connection(input), &y = b.connection(input);
                return x.channel == y.channel && same_graph(x.node, y.node);

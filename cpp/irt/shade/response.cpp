@@ -55,10 +55,9 @@ Response make_response(const SurfaceValues& material, double mirror_roughness) {
     const V3d& color = material.diffuse_color;
     const auto alpha = [](double roughness) { return std::max(roughness * roughness, min_alpha); };
     r.base_color = color;
-    r.opacity = effective_opacity(material);
-    r.invisible = material.opacity_threshold > 0 && r.opacity == 0;
+    (is_presence(material) ? r.presence : r.opacity) = effective_opacity(material);
     r.ior = material.ior;
-    r.emission = r.invisible ? V3d(0, 0, 0) : material.emissive_color;
+    r.emission = material.emissive_color * r.presence;
     r.transmission = material.transmission_color;
     r.alpha = alpha(material.roughness);
     r.mirror = material.roughness <= mirror_roughness;
@@ -96,17 +95,19 @@ V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_l
     V3d share = lambert * diffuse + f * (ggx(response.alpha, nh, nl, ne) * specular);
     if (response.coat > 0)
         share += V3d(coat_fresnel(response, c) * ggx(response.coat_alpha, nh, nl, ne) * specular);
-    return share * nl;
+    return share * (nl * response.presence);
 }
 
 Spawned spawn(const Response& response, const V3d& direction, const V3d& shading,
               const V3d& geometric, bool front) {
     Spawned out;
-    if (response.invisible) {
-        out.refract_weight = one;
+    // What goes by; never together with what is refracted.
+    const double past = 1 - response.presence;
+    if (past > 0) {
+        out.refract_weight = one * past;
         out.refract_direction = direction;
-        return out;
     }
+    if (response.invisible()) return out;
     const double through = 1 - response.opacity;
     if (!response.mirror && !response.coat_mirror && !(through > 0)) return out;
     const double cosine = std::max(-direction.dot(shading), 0.0);
@@ -132,6 +133,7 @@ Spawned spawn(const Response& response, const V3d& direction, const V3d& shading
         out.reflect_weight = response.mirror ? f : (total ? one * through : V3d(0, 0, 0));
         if (response.coat_mirror && !total)
             out.reflect_weight += V3d(coat_fresnel(response, cosine));
+        out.reflect_weight *= response.presence;
         V3d back = mirrored(direction, shading);
         if (back.dot(geometric) <= 0) back = mirrored(direction, geometric);
         out.reflect_direction = normalized(back);

@@ -10,20 +10,22 @@ namespace irt::shade {
 
 /// A material's values as the formulas want them. Pure function of those.
 struct Response {
-    V3d base_color;  ///< diffuseColor
-    V3d diffuse;     ///< Lambert reflectance, times opacity
-    V3d f0, f90;     ///< Schlick's Fresnel at normal and at grazing incidence
-    V3d emission;
+    V3d base_color;      ///< diffuseColor
+    V3d diffuse;         ///< Lambert reflectance, times opacity
+    V3d f0, f90;         ///< Schlick's Fresnel at normal and at grazing incidence
+    V3d emission;        ///< times presence
     V3d transmission;    ///< what tints a refracted ray
     double alpha = 0;    ///< GGX roughness: roughness squared, at least min_alpha
     double coat = 0;     ///< share of the clear coat, a white lobe over the others
     double coat_f0 = 0;  ///< its Fresnel at normal incidence; at grazing incidence it is 1
     double coat_alpha = 0;
-    double opacity = 1;
+    double presence = 1;  ///< share of the surface that is there; rays pass the rest as they are
+    double opacity = 1;   ///< of what is there
     double ior = 1;
     bool mirror = false;       ///< spawns a mirror ray
     bool coat_mirror = false;  ///< its clear coat does
-    bool invisible = false;    ///< cut out by opacityThreshold: rays pass as if it were not there
+
+    [[nodiscard]] bool invisible() const { return presence == 0; }
 };
 
 /// Below this GGX's peak leaves the range where 32-bit films resolve it; UsdPreviewSurface's own

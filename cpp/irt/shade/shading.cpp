@@ -86,7 +86,7 @@ FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) con
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
                                                  const LightSlot& light) const {
     const Light& record = light.record;
-    if (record.kind == LightKind::Environment || point.response().invisible ||
+    if (record.kind == LightKind::Environment || point.response().invisible() ||
         !light.lights(point.object))
         return std::nullopt;
     const V3d to_light = towards(point.surface.position, light);

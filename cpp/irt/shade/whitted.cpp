@@ -54,7 +54,7 @@ V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost, 
     }
 
     const VisiblePoint point = shading_.visible_point(ray, hit, travelled);
-    if (!scratch.first.hit && !point.response().invisible)
+    if (!scratch.first.hit && !point.response().invisible())
         scratch.first =
             scratch.surface_wanted ? shading_.first_hit(point, hit.object) : FirstHit{true};
     shade_lights(point, columns, scratch);

@@ -370,9 +370,9 @@ shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface)
         const bool varies = shading_.varies(material);
         if (surface || varies) {
             const ShadePoint point = shade_point_of(node);
-            if (!point.response().invisible)
+            if (!point.response().invisible())
                 return surface ? shading_.first_hit(point, visible.object) : shade::FirstHit{true};
-        } else if (!shading_.response(material).invisible) {
+        } else if (!shading_.response(material).invisible()) {
             return shade::FirstHit{true};
         }
         node = trees_.points[trees_.nodes[node].point].branches[1];

@@ -6,6 +6,7 @@ from pxr import Usd, UsdShade
 from irt_usd.materialx.document import definition_of
 from irt_usd.materialx.evaluation import Evaluation, texture_reference
 from irt_usd.materialx.expressions import Value as Expression
+from irt_usd.materialx.expressions import constant
 from irt_usd.materialx.network import Link, Network, Port, Step
 from irt_usd.materialx.surfaces import MODELS
 from irt_usd.report import Report
@@ -85,9 +86,12 @@ class MaterialXSource:
             return evaluation.value(step, name)
 
         mapped = self._model.mapping(evaluation.expressions, get)
+        present = mapped.pop("opacityMode", constant(0.0)).is_constant(1.0)
         if self._normal:
             mapped["normal"] = get(self._normal)
         constants: dict[str, Value] = {"useSpecularWorkflow": self._workflow(time)}
+        if present:
+            constants["opacityMode"] = "presence"
         fed: dict[str, int] = {}
         for name, value in mapped.items():
             if value.four is not None:

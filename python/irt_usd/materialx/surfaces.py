@@ -14,7 +14,7 @@ from irt_usd.materialx.expressions import Expressions, Value, constant
 
 Inputs = Callable[[str], Value]
 Mapped = dict[str, Value]
-"""By UsdPreviewSurface's names, but without "useSpecularWorkflow"."""
+"""By UsdPreviewSurface's names, but without "useSpecularWorkflow"; opacityMode 1 is presence."""
 
 _ZERO, _ONE = constant(0.0), constant(1.0)
 _FLAT = constant(0.0, 0.0, 1.0)
@@ -85,6 +85,18 @@ def _mapped(ex: Expressions, base: _Base) -> Mapped:
     diffuse = _weighted(ex, base.diffuse, _one_minus(ex, base.metalness), tint)
     specular = ex.apply("mix", base.dielectric, base.metal, base.metalness)
     bent = ex.apply("if_greater", base.thin, constant(0.5), _ONE, base.ior)
+    if clear == _ZERO:
+        return {
+            "diffuseColor": diffuse,
+            "emissiveColor": base.emission,
+            "specularColor": _weighted(ex, specular, tint),
+            "roughness": base.roughness,
+            "clearcoat": base.coat,
+            "clearcoatRoughness": base.coat_roughness,
+            "opacity": base.presence,
+            "opacityMode": _ZERO if base.presence == _ONE else _ONE,
+            "ior": base.coat_ior,
+        }
     # What is not there does not bend light; of what is there, it is the coat's.
     whole = ex.apply("if_greater", _ONE, base.presence, _ONE, base.coat_ior)
     opacity = _weighted(ex, base.presence, _one_minus(ex, clear))
@@ -201,18 +213,20 @@ def _gltf_pbr(ex: Expressions, get: Inputs) -> Mapped:
 def _preview_surface(_ex: Expressions, get: Inputs) -> Mapped:
     """By the metallic workflow where the shader says so: the same inputs, name by name."""
     names = ("diffuseColor", "emissiveColor", "specularColor", "metallic", "roughness")
-    more = ("clearcoat", "clearcoatRoughness", "opacity", "opacityThreshold", "ior")
+    more = ("clearcoat", "clearcoatRoughness", "opacity", "opacityThreshold", "opacityMode", "ior")
     return {name: get(name) for name in (*names, *more)}
 
 
 def _unlit(ex: Expressions, get: Inputs) -> Mapped:
     clear = get("transmission")
+    presence = _ONE if clear == _ZERO and get("opacity") != _ONE else _ZERO
     return {
         "diffuseColor": _weighted(ex, get("transmission_color"), clear),
         "emissiveColor": _weighted(ex, get("emission_color"), get("emission")),
         "specularColor": _ZERO,
         "roughness": _ONE,
         "opacity": _weighted(ex, get("opacity"), _one_minus(ex, clear)),
+        "opacityMode": presence,
         "ior": _ONE,
     }
 

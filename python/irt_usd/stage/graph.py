@@ -28,6 +28,7 @@ DEFAULTS: dict[str, Value] = {
     "clearcoat": 0.0,
     "clearcoatRoughness": 0.009999999776482582,
     "opacity": 1.0,
+    "opacityMode": "transparent",
     "opacityThreshold": 0.0,
     "ior": 1.5,
     "normal": (0.0, 0.0, 1.0),
@@ -47,6 +48,7 @@ _CORE_NAMES = {
     "clearcoat": "clearcoat",
     "clearcoatRoughness": "clearcoat_roughness",
     "opacity": "opacity",
+    "opacityMode": "opacity_is_presence",
     "opacityThreshold": "opacity_threshold",
     "ior": "ior",
     "normal": "normal",
@@ -136,6 +138,8 @@ def core_material(surface: Surface, textures: TextureSource | None = None) -> "_
     values: dict[str, Any] = {_CORE_NAMES[name]: v for name, v in surface.constants.items()}
     if "useSpecularWorkflow" in surface.constants:
         values["use_specular_workflow"] = surface.constants["useSpecularWorkflow"] != 0
+    if "opacityMode" in surface.constants:
+        values["opacity_is_presence"] = surface.constants["opacityMode"] == "presence"
     if surface.nodes:
         values["nodes"] = [_core_node(node, textures) for node in surface.nodes]
         values["connected"] = {_CORE_NAMES[n]: feed for n, feed in surface.connected.items()}

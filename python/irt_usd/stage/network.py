@@ -50,6 +50,7 @@ _READER_FALLBACKS: dict[str, Value] = {
 """The types whose values can reach a surface; strings and matrices have no input to go to."""
 
 _WRAPS = ("black", "clamp", "repeat", "mirror", "useMetadata")
+_TOKENS = {"wrapS": _WRAPS, "wrapT": _WRAPS}
 
 Feed = tuple[int, str]
 """A node and which of its values: "rgb" or one of "r", "g", "b", "a"."""
@@ -165,7 +166,9 @@ class Network:
                     if link is not None:
                         shader.links[name] = link
                         continue
-            shader.parameters[name] = Parameter(name, source.attribute, default, self._report)
+            shader.parameters[name] = Parameter(
+                name, source.attribute, default, self._report, allowed=_TOKENS.get(name, ())
+            )
         return shader
 
 
@@ -232,7 +235,7 @@ class GraphBuilder:
         if scaled < 0 and biased < 0 and missing < 0:
             fallback = _before(fallback, scale, bias)
         space = str(self._value(shader, "sourceColorSpace"))
-        wrap = self._token(shader, "wrapS", _WRAPS), self._token(shader, "wrapT", _WRAPS)
+        wrap = self._value(shader, "wrapS"), self._value(shader, "wrapT")
         index = self._add(
             Node(
                 "texture",
@@ -263,16 +266,6 @@ class GraphBuilder:
             self._report.mentioned("primvar reader without a varname, its fallback", shader.path)
             return index if index >= 0 else self._add(Node("constant", constants=(fallback,)))
         return self._add(Node("primvar", (index,), (fallback,), primvar=name))
-
-    def _token(self, shader: Shader, name: str, allowed: tuple[str, ...]) -> str:
-        value = str(self._value(shader, name))
-        if value in allowed:
-            return value
-        parameter = shader.parameters[name]
-        default = str(_TEXTURE_INPUTS[name])
-        message = f"{name} is {value}; expected {', '.join(allowed)}; {default} is rendered"
-        self._report.skipped(message, parameter.location(self._time))
-        return default
 
 
 def _reference(shader: Shader, file: str, color_space: str) -> TextureReference:

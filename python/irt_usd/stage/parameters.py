@@ -16,8 +16,8 @@ class Parameter:
     """An input's value, `default` where there is none.
 
     `attribute` is where the value is found, the input's own or one that it is connected to. Values
-    of another type and numbers that are not finite are reported and give way to the default; those
-    outside `bounds` are clamped, which is mentioned.
+    of another type, numbers that are not finite and tokens that are none of `allowed` are reported
+    and give way to the default; those outside `bounds` are clamped, which is mentioned.
     """
 
     def __init__(
@@ -27,12 +27,14 @@ class Parameter:
         default: Value,
         report: Report,
         bounds: Range = ANY,
+        allowed: tuple[str, ...] = (),
     ) -> None:
         self.name = name
         self.attribute = attribute
         self._default = default
         self._report = report
         self._bounds = bounds
+        self._allowed = allowed
         self._query = Usd.AttributeQuery(attribute) if attribute is not None else None
         self.varies = self._query is not None and bool(self._query.ValueMightBeTimeVarying())
         """Whether the value can differ between frames."""
@@ -53,6 +55,11 @@ class Parameter:
                 f"{self.name} is {plain(authored)}; expected {_wanted(self._default)};"
                 " its default is rendered"
             )
+            self._report.skipped(message, self.location(time))
+            return self._default
+        if self._allowed and value not in self._allowed:
+            expected = f"expected {', '.join(self._allowed)}; {self._default} is rendered"
+            message = f"{self.name} is {value}; {expected}"
             self._report.skipped(message, self.location(time))
             return self._default
         bounded = _clamped(value, *self._bounds)

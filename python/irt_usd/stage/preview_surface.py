@@ -32,7 +32,12 @@ _RANGES: dict[str, Range] = {
 _COLORS = ("diffuseColor", "emissiveColor", "specularColor")
 _VECTORS = frozenset((*_COLORS, "normal"))
 
-_NOT_RENDERED: dict[str, Value] = {"displacement": 0.0, "opacityMode": "transparent"}
+_SWITCHES = ("useSpecularWorkflow", "opacityMode")
+"""Inputs that are constant over a surface."""
+
+_TOKENS = {"opacityMode": ("transparent", "presence")}
+
+_NOT_RENDERED: dict[str, Value] = {"displacement": 0.0}
 """Inputs that are reported where they are not at their defaults. (`occlusion` is for renderers
 that find none themselves.)"""
 
@@ -111,7 +116,7 @@ class MaterialSource:
         port = shader.GetInput(name)
         source = source_of(port, self._report) if port else Source()
         if source.shader is not None:
-            if name == "useSpecularWorkflow":
+            if name in _SWITCHES:
                 message = f"{name} connected to a shader (its default rendered)"
                 self._report.unsupported(message, f"{self._shader_path}.inputs:{name}")
             else:
@@ -119,9 +124,9 @@ class MaterialSource:
                 if link is not None:
                     self._links[name] = link
                     return
-        bounds = _RANGES.get(name, ANY)
+        bounds, allowed = _RANGES.get(name, ANY), _TOKENS.get(name, ())
         self._parameters[name] = Parameter(
-            name, source.attribute, DEFAULTS[name], self._report, bounds
+            name, source.attribute, DEFAULTS[name], self._report, bounds, allowed
         )
 
     def _all_parameters(self) -> list[Parameter]:
