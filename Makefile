@@ -17,7 +17,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    mutants ablation voxel-walk exact-hits numerics fingerprint clean
+    mutants ablation voxel-walk exact-hits numerics sanitize fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -116,6 +116,28 @@ $(MUTANTS)/.built: $(VENV)/.built $(shell find tests/cpp)
 ## That the tests can fail: each fault must show in one of them.
 mutants: $(MUTANTS)/.built
 	@IRT_TEST_BUILD="$(CURDIR)/$(MUTANTS)" $(VENV)/bin/pytest tests/python/test_mutants.py -rP
+
+# Builds of their own: $(1) names one, $(2) are its flags, $(3) is the library it is loaded with.
+define sanitized
+	@echo "Building the core and its tests with $(2)"
+	@cmake -S cpp -B build/$(1) -G Ninja -D IRT_BUILD_TESTS=ON -D CMAKE_CXX_FLAGS="$(2)" \
+	    -D Python_EXECUTABLE="$(CURDIR)/$(VENV)/bin/python" \
+	    -D pybind11_DIR="$$($(VENV)/bin/python -m pybind11 --cmakedir)" >build/$(1).log
+	@cmake --build build/$(1) --target _core irt_tests
+	@ctest --test-dir build/$(1) --output-on-failure --progress
+	@IRT_TEST_BUILD="$(CURDIR)/build/$(1)" PYTHONPATH=tests/python \
+	    LD_PRELOAD="$$($(CXX) -print-file-name=$(3))" \
+	    $(VENV)/bin/pytest -p core_of_test_build $(SANITIZED)
+endef
+SANITIZED := tests/python/test_exactness.py tests/python/test_edits.py tests/python/test_views.py
+export ASAN_OPTIONS := detect_leaks=0
+export UBSAN_OPTIONS := print_stacktrace=1
+export TSAN_OPTIONS := ignore_noninstrumented_modules=1
+## The core under the sanitizers for addresses, undefined behaviour and threads.
+sanitize: setup
+	$(call sanitized,sanitize-address,-fsanitize=address -fsanitize=undefined \
+	    -fno-sanitize-recover=undefined,libasan.so)
+	$(call sanitized,sanitize-thread,-fsanitize=thread,libtsan.so)
 
 ## What each structure is worth: the paper's edits with one of them away.
 ablation: $(MUTANTS)/.built
