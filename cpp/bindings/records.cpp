@@ -133,11 +133,14 @@ Geometry geometry(const py::handle& object) {
 PrototypePointer make_prototype(const py::sequence& parts) {
     auto prototype = std::make_shared<Prototype>();
     for (const py::handle part : parts) {
+        const auto fields = part.cast<py::tuple>();
         const auto [name, shape, transform, material, primvars, face_materials] =
-            part.cast<std::tuple<std::string, py::object, Array<double>, std::string,
+            py::tuple(fields[py::slice(0, 6, 1)])
+                .cast<std::tuple<std::string, py::object, Array<double>, std::string,
                                  std::map<std::string, PrimvarTuple>, std::vector<std::string>>>();
+        const PassRole role = fields.size() > 6 ? fields[6].cast<PassRole>() : PassRole();
         prototype->parts.push_back({name, geometry(shape), matrix(transform), material,
-                                    make_primvars(primvars), face_materials});
+                                    make_primvars(primvars), face_materials, role});
     }
     return prototype;
 }
@@ -236,6 +239,13 @@ Subdivider make_subdivider(const std::string& scheme, int level, const std::stri
 }
 
 void bind_geometry(py::module_& module) {
+    py::class_<PassRole>(module, "PassRole")
+        .def(py::init([](bool camera_visible, bool matte) {
+                 return PassRole{camera_visible, matte};
+             }),
+             py::arg("camera_visible") = true, py::arg("matte") = false)
+        .def_readonly("camera_visible", &PassRole::camera_visible)
+        .def_readonly("matte", &PassRole::matte);
     py::class_<Quadric>(module, "Quadric")
         .def_static(
             "sphere", [](double r) { return quadric(QuadricKind::Sphere, &Quadric::radius, r); },
@@ -403,14 +413,15 @@ void bind_light_and_camera(py::module_& module) {
                     py::arg("modifiers") = py::dict())
         .def_static(
             "environment",
-            [](const Triple& radiance) {
+            [](const Triple& radiance, bool camera_visible) {
                 Light light;
                 light.kind = LightKind::Environment;
+                light.camera_visible = camera_visible;
                 light.energy = vec3f(radiance);
                 light.casts_shadows = false;
                 return light;
             },
-            py::arg("radiance"));
+            py::arg("radiance"), py::arg("camera_visible") = true);
     py::class_<Camera>(module, "Camera")
         .def(
             py::init([](const Array<double>& world_from_camera, const std::array<double, 4>& window,
@@ -435,13 +446,14 @@ void bind_records(py::module_& module) {
             [](ChangeSet& c, const std::string& path, const py::object& shape,
                const Array<double>& world_from_object, const std::string& material,
                const std::map<std::string, PrimvarTuple>& primvars,
-               const std::vector<std::string>& face_materials) {
-                c.objects[path] = Object{geometry(shape), matrix(world_from_object), material,
-                                         make_primvars(primvars), face_materials};
+               const std::vector<std::string>& face_materials, const PassRole& role) {
+                c.objects[path] = Object{geometry(shape), matrix(world_from_object),
+                                         material,        make_primvars(primvars),
+                                         face_materials,  role};
             },
             py::arg("path"), py::arg("geometry"), py::arg("world_from_object"),
             py::arg("material") = "", py::arg("primvars") = py::dict(),
-            py::arg("face_materials") = std::vector<std::string>())
+            py::arg("face_materials") = std::vector<std::string>(), py::arg("role") = PassRole())
         .def(
             "remove_object", [](ChangeSet& c, const std::string& path) { c.objects[path].reset(); },
             py::arg("path"))

@@ -158,13 +158,15 @@ trace::Ray View::primary_ray(int x, int y, int sample) const {
     const auto& [left, right, bottom, top] = camera_.window;
     const V3d p{left + (right - left) * u, top + (bottom - top) * v, -1};
     const double near = camera_.near;
+    const auto ray = [&](const V3f& start, const V3d& direction) {
+        trace::Ray made = trace::make_ray(
+            start, V3f(transform_direction(render_from_camera_, direction)), primary_reach());
+        made.camera = true;
+        return made;
+    };
     if (camera_.orthographic)
-        return trace::make_ray(V3f(transform_point(render_from_camera_, {p.x, p.y, -near})),
-                               V3f(transform_direction(render_from_camera_, {0, 0, -1})),
-                               primary_reach());
-    const V3f start = near > 0 ? V3f(transform_point(render_from_camera_, p * near)) : eye_;
-    return trace::make_ray(start, V3f(transform_direction(render_from_camera_, p)),
-                           primary_reach());
+        return ray(V3f(transform_point(render_from_camera_, {p.x, p.y, -near})), {0, 0, -1});
+    return ray(near > 0 ? V3f(transform_point(render_from_camera_, p * near)) : eye_, p);
 }
 
 /// t_max of primary rays: their directions are 1 deep, and they start at the near plane.
@@ -179,7 +181,7 @@ film::PixelValue View::pixel(Sample&& sample) const {
     for (int s = 0; s < settings_.samples; ++s) {
         shade::FirstHit first;
         sum += V3d(sample(s, first));
-        covered += first.hit;
+        covered += first.hit && !first.matte;
         if (s > 0 || !first.hit || !film_.shows_surfaces()) continue;
         value.depth = static_cast<float>(-transform_point(camera_from_render_, first.position).z);
         value.normal = first.shading_normal;

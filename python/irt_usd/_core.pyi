@@ -126,26 +126,33 @@ class Curves:
         primvars: Primvars = ...,
     ) -> None: ...
 
+class PassRole:
+    """What a render pass makes of an object: hidden from the camera alone, or a hold-out."""
+
+    camera_visible: bool
+    matte: bool
+    def __init__(self, camera_visible: bool = True, matte: bool = False) -> None: ...
+
+_Part = tuple[
+    str,
+    Quadric | Mesh | Spheres | Curves | InstanceArray,
+    NDArray[np.float64],
+    str,
+    Primvars,
+    Sequence[str],
+]
+
 class Prototype:
     """Geometry shared by instances.
 
     Each part: (name, geometry, prototype_from_part (4, 4) float64, material, constant primvars,
-    materials of faces).
+    materials of faces), and perhaps its role, beside that of the object.
     A part that is an array names no material, for the parts of its prototypes do.
     """
 
     def __init__(
         self,
-        parts: Sequence[
-            tuple[
-                str,
-                Quadric | Mesh | Spheres | Curves | InstanceArray,
-                NDArray[np.float64],
-                str,
-                Primvars,
-                Sequence[str],
-            ]
-        ],
+        parts: Sequence[_Part | tuple[*_Part, PassRole]],
     ) -> None: ...
 
 class InstanceArray:
@@ -277,8 +284,11 @@ class Light:
     ) -> Light:
         """`intensity` is the greatest radiant intensity: irradiance is intensity / distance²."""
     @staticmethod
-    def environment(radiance: Vec3) -> Light:
-        """What rays see that meet nothing; it lights no surface."""
+    def environment(radiance: Vec3, camera_visible: bool = True) -> Light:
+        """What rays see that meet nothing; it lights no surface.
+
+        `camera_visible`: whether those that come straight from the camera see it.
+        """
 
 class Camera:
     """`window` is (left, right, bottom, top) of the image on camera space's plane z = -1
@@ -308,6 +318,7 @@ class ChangeSet:
         material: str = "",
         primvars: Primvars = ...,
         face_materials: Sequence[str] = (),
+        role: PassRole = ...,
     ) -> None:
         """`primvars`: constant ones, read where the geometry has none of the name."""
     def remove_object(self, path: str) -> None: ...

@@ -185,6 +185,11 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
         tuple(pick((0, 1, 2)) for _ in range(6)),
         (pick(MATERIALS), pick(MATERIALS)),
     ),
+    "role": lambda pick: (
+        "role",
+        pick((*NAMES, *MANY, "/floor", "/swarm", "/leaves")),
+        (pick((True, False)), pick((False, True))),
+    ),
     "rebind": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(MATERIALS)),
     "material": lambda pick: ("material", pick(MATERIALS), material(pick)),
     "look": lambda pick: ("look", pick(MATERIALS), look(pick)),

@@ -129,11 +129,16 @@ def array(entries: tuple[tuple[Any, ...], ...], size: float, nested: bool) -> _c
     return _core.InstanceArray(prototypes, rows, kinds, keys)
 
 
-def object_record(shape: Any, matrix: Any, material: str) -> tuple[Any, ...]:
+PLAIN_ROLE = (True, False)
+"""Seen by the camera, and not matte."""
+
+
+def object_record(shape: Any, matrix: Any, material: str, role: tuple[bool, bool]) -> Any:
     """What ChangeSet.set_object takes."""
     made = geometry(shape) if isinstance(shape, tuple) else shape
     painted = isinstance(shape, tuple) and shape[0] == "box" and len(shape) > 3
-    return made, np.asarray(matrix, float), material, {}, shape[4] if painted else ()
+    faces = shape[4] if painted else ()
+    return made, np.asarray(matrix, float), material, {}, faces, _core.PassRole(*role)
 
 
 def material_record(material: Any) -> Any:
@@ -199,7 +204,12 @@ class State:
     # ---- objects
 
     def _object(self, name: str, shape: Any, matrix: Any, material: str) -> None:
-        self.objects[name] = (shape, matrix, material)
+        self.objects[name] = (shape, matrix, material, PLAIN_ROLE)
+
+    def _role(self, name: str, role: tuple[bool, bool]) -> None:
+        """In a render pass: whether the camera sees it, whether it is matte."""
+        if name in self.objects:
+            self.objects[name] = (*self.objects[name][:3], role)
 
     def _remove(self, name: str) -> None:
         self.objects.pop(name, None)
@@ -207,7 +217,7 @@ class State:
     def _copy(self, name: str, other: str, material: str) -> None:
         """An object that coincides with another."""
         if other in self.objects:
-            self.objects[name] = (*self.objects[other][:2], material)
+            self.objects[name] = (*self.objects[other][:2], material, PLAIN_ROLE)
 
     def _hide(self, name: str) -> None:
         if name in self.objects:
@@ -219,8 +229,8 @@ class State:
 
     def _move(self, name: str, matrix: Any) -> None:
         if name in self.objects:
-            shape, _, material = self.objects[name]
-            self.objects[name] = (shape, matrix, material)
+            shape, _, *others = self.objects[name]
+            self.objects[name] = (shape, matrix, *others)
 
     def _shift(self, name: str, offset: tuple[float, ...]) -> None:
         if name in self.objects:
@@ -296,7 +306,8 @@ class State:
 
     def _bind(self, name: str, material: str) -> None:
         if name in self.objects:
-            self.objects[name] = (*self.objects[name][:2], material)
+            shape, matrix, _, role = self.objects[name]
+            self.objects[name] = (shape, matrix, material, role)
 
     # ---- materials and lights
 

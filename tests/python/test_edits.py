@@ -29,6 +29,14 @@ GEOMETRY: dict[str, list[Edit]] = {
     "hide": [("hide", "/floor")],
     "deform": [("deform", "/b", 3, (0.3, 0.0, 0.5))],
     "leave the first frame's bounds": [("shift", "/a", (0.0, 12.0, -9.0))],
+    "hidden from the camera": [("role", "/a", (False, False))],
+    "an instance hidden from the camera": [("role", "/e", (False, False))],
+    "hidden from the camera, with a cut-out before it": [
+        ("role", "/b", (False, False)),
+        ("bind", "/d", "/leaf"),
+        ("role", "/e", (True, True)),
+    ],
+    "an instance held out": [("role", "/e", (True, True))],
     "coincide": [("copy", "/b", "/c", "/glass"), ("copy", "/f", "/a", "/mirror")],
 }
 SHADING: dict[str, list[Edit]] = {
@@ -39,6 +47,11 @@ SHADING: dict[str, list[Edit]] = {
     "rough metal": [("look", "/red", {"metallic": 1.0})],
     "roughness": [("look", "/red", {"roughness": 0.9})],
     "rebind": [("bind", "/floor", "/lamp")],
+}
+MATTE: dict[str, list[Edit]] = {
+    "held out": [("role", "/floor", (True, True))],
+    "glass held out": [("role", "/d", (True, True))],
+    "a cut-out held out": [("role", "/leaves", (True, True))],
 }
 RAYS: dict[str, list[Edit]] = {
     "metalness": [("look", "/mirror", {"metallic": 0.0})],
@@ -76,7 +89,7 @@ MIXTURES: dict[str, list[Edit]] = {
     "replace the light": [*LIGHTS["light added"], *LIGHTS["light removed"]],
     "the mover's tint changes": [*RAYS["tint"], ("shift", "/d", (0.5, 0.0, 0.0))],
 }  # fmt: skip
-ALL = GEOMETRY | SHADING | RAYS | LIGHTS | ENERGY | MIXTURES
+ALL = GEOMETRY | SHADING | MATTE | RAYS | LIGHTS | ENERGY | MIXTURES
 
 
 def done(frame: list[Edit]) -> dict[str, Any]:

@@ -171,10 +171,10 @@ def test_scene_far_from_the_origin_renders_as_at_the_origin() -> None:
     here = scenes.initial()
     away = np.array([1e7, -1e7, 1e7])
     there = scenes.State(materials=here.materials, lights=here.lights)
-    for name, (shape, matrix, material) in here.objects.items():
+    for name, (shape, matrix, *others) in here.objects.items():
         moved = np.array(matrix, float)
         moved[3, :3] += away
-        there.objects[name] = (shape, moved, material)
+        there.objects[name] = (shape, moved, *others)
     films = []
     for state, origin in ((here, np.zeros(3)), (there, away)):
         matrix = np.eye(4)

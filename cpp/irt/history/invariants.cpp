@@ -26,11 +26,12 @@ bool same_name(const trace::HitName& a, const trace::HitName& b) {
 
 /// Whether an opaque part of object `slot` is on `ray`.
 bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
-    return trace::judge_object(scene, slot, trace::judge_ray(ray), [&](const trace::Hit& hit) {
-        trace::Occlusion sum;
-        trace::add_occluder(scene, hit, sum);
-        return sum.blocker != trace::none;
-    });
+    return trace::judge_object(scene, slot, trace::judge_ray(ray), ray.camera,
+                               [&](const trace::Hit& hit) {
+                                   trace::Occlusion sum;
+                                   trace::add_occluder(scene, hit, sum);
+                                   return sum.blocker != trace::none;
+                               });
 }
 
 class Checker {
@@ -120,7 +121,8 @@ class Checker {
         node_used_[index] = true;
         ++nodes_;
         const Node& node = trees_.nodes[index];
-        require(node.parent == parent, index, "the parent is what the node was reached from");
+        require((node.parent & ~camera_bit) == parent, index,
+                "the parent is what the node was reached from");
         require(trees_.marks[index] == 0, index, "no marks between updates");
         path(index, trees_.paths[index], table_.grid().path(node.origin, node.direction, node.t));
         const trace::Hit seen = visible(index);
@@ -230,7 +232,8 @@ class Checker {
             require(kept.prices[which] == *price && same_bits(spawned.weight, weight), index,
                     "a branch has the weight and price that the point gives it");
             require(same_bits(spawned.origin, ray.origin) &&
-                        same_bits(spawned.direction, ray.direction),
+                        same_bits(spawned.direction, ray.direction) &&
+                        trees_.ray(below).camera == ray.camera,
                     below, "a branch's ray is the one that its point spawns");
             shade::with_stack_for(
                 depth + 1, [&] { branch(below, index, depth + 1, cost + *price, travelled); });
@@ -263,11 +266,13 @@ class Checker {
             for (const NodeIndex branch : kept.branches) {
                 if (branch == no_node) continue;
                 const Node& node = trees_.nodes[branch];
-                sum = shade::add_scaled(
-                    sum, node.weight,
-                    node.point == no_point
-                        ? (c == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[c - 1].record))
-                        : column[node.point].cumulative);
+                sum =
+                    shade::add_scaled(sum, node.weight,
+                                      node.point == no_point
+                                          ? (c == 0 ? V3f(0, 0, 0)
+                                                    : shade::seen_beyond(lights_[c - 1].record,
+                                                                         trees_.ray(branch).camera))
+                                          : column[node.point].cumulative);
             }
             require(same_bits(column[at].cumulative, sum), index,
                     "cumulative intensities are the sums of own ones and branches");

@@ -195,8 +195,8 @@ bool RayTrees::mark(NodeIndex node, std::uint8_t what) {
     const bool marked = marks[node] != 0;
     marks[node] |= what | mark_walk;
     if (marked) return false;
-    while (!(nodes[node].parent & root_bit)) {
-        node = nodes[node].parent;
+    while (!is_root(node)) {
+        node = parent(node);
         if (marks[node] != 0) return false;
         marks[node] = mark_walk;
     }
@@ -204,7 +204,7 @@ bool RayTrees::mark(NodeIndex node, std::uint8_t what) {
 }
 
 SampleIndex RayTrees::sample_of(NodeIndex node) const {
-    while (!(nodes[node].parent & root_bit)) node = nodes[node].parent;
+    while (!is_root(node)) node = parent(node);
     return nodes[node].parent & ~root_bit;
 }
 

@@ -23,6 +23,8 @@ inline constexpr std::uint32_t no_node = 0xffffffffu, no_point = 0xffffffffu;
 
 /// Set in Node::parent of a root; the other bits are then its sample.
 inline constexpr std::uint32_t root_bit = 0x80000000u;
+/// Set in Node::parent of a branch that is a camera ray still; roots are without it.
+inline constexpr std::uint32_t camera_bit = 0x40000000u;
 /// Set in RayTrees::roots for a settled sample; the other bits are then its place in `settled`.
 inline constexpr std::uint32_t settled_bit = 0x80000000u;
 
@@ -152,7 +154,15 @@ struct RayTrees {
     [[nodiscard]] trace::Ray ray(NodeIndex node) const {
         const Node& n = nodes[node];
         return {n.origin, n.direction,
-                n.parent & root_bit ? root_reach : std::numeric_limits<float>::infinity()};
+                n.parent & root_bit ? root_reach : std::numeric_limits<float>::infinity(),
+                (n.parent & (root_bit | camera_bit)) != 0};
+    }
+    /// Of a node that is no root.
+    [[nodiscard]] NodeIndex parent(NodeIndex node) const {
+        return nodes[node].parent & ~camera_bit;
+    }
+    [[nodiscard]] bool is_root(NodeIndex node) const {
+        return (nodes[node].parent & root_bit) != 0;
     }
     /// Makes `hit` the visible point; gives the node a point, or takes it away, as that needs.
     void set_hit(NodeIndex node, const trace::Hit& hit);

@@ -352,12 +352,14 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
             if ((*array)->size() == 0) continue;
             out->arrays.push_back(
                 compile_nested_array(*array, part.prototype_from_part, compile_nested, part_path));
+            out->arrays.back().role = part.role;
             continue;
         }
         out->surfaces.push_back(
             compile_surface(part.geometry, part.prototype_from_part, material(part.material),
                             slots_of(part.face_materials, material), part_path));
         out->surfaces.back().primvars = part.primvars;
+        out->surfaces.back().role = part.role;
         const trace::Box box = box_of(out->surfaces.back());
         if (!box.empty()) out->box.extend(box);
         add_materials(out->surfaces.back(), materials);

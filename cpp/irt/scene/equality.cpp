@@ -12,7 +12,7 @@ bool same(const Prototype& a, const Prototype& b) {
     for (std::size_t i = 0; i < a.parts.size(); ++i) {
         const Part &p = a.parts[i], &q = b.parts[i];
         if (p.name != q.name || p.material != q.material || p.face_materials != q.face_materials ||
-            !same_bits(p.prototype_from_part, q.prototype_from_part) ||
+            p.role != q.role || !same_bits(p.prototype_from_part, q.prototype_from_part) ||
             !same(p.geometry, q.geometry) || !same(p.primvars, q.primvars))
             return false;
     }
@@ -105,7 +105,7 @@ bool same_rays(const Light& a, const Light& b) {
     return a.kind == b.kind &&
            (a.kind != LightKind::Distant || same_bits(a.direction, b.direction)) &&
            same_bits(a.position, b.position) && a.casts_shadows == b.casts_shadows &&
-           same_bits(a.shadow_distance, b.shadow_distance);
+           a.camera_visible == b.camera_visible && same_bits(a.shadow_distance, b.shadow_distance);
 }
 
 bool same(const Camera& a, const Camera& b) {

@@ -24,7 +24,8 @@ bool same(const Light& a, const Light& b);
 bool same_but_energy(const Light& a, const Light& b);
 /// Whether surfaces that both light respond to them alike, energy apart.
 bool same_response(const Light& a, const Light& b);
-/// Whether the two cast the same shadow rays from surfaces that both light.
+/// Whether the two cast the same shadow rays from surfaces that both light, and are seen by the
+/// same rays.
 bool same_rays(const Light& a, const Light& b);
 bool same(const Camera& a, const Camera& b);
 

@@ -115,6 +115,14 @@ struct Curves {
 struct Prototype;
 struct InstanceArray;
 
+/// What a render pass makes of an object (UsdRenderPass).
+struct PassRole {
+    bool camera_visible = true;  ///< false: camera rays pass it, all others meet it
+    bool matte =
+        false;  ///< seen by the camera it is black and transparent, and hides what is behind
+    bool operator==(const PassRole&) const = default;
+};
+
 using Geometry = std::variant<Quadric, std::shared_ptr<const Mesh>,
                               std::shared_ptr<const Prototype>, std::shared_ptr<const Spheres>,
                               std::shared_ptr<const Curves>, std::shared_ptr<const InstanceArray>>;
@@ -128,6 +136,7 @@ struct Part {
     std::string material;    ///< unused for an array: its prototypes' parts name their own
     Primvars primvars = {};  ///< constant ones, as of an object
     std::vector<std::string> face_materials = {};  ///< see Object
+    PassRole role = {};                            ///< beside that of the object
 };
 
 /// Geometry shared by instances.
@@ -163,6 +172,7 @@ struct Object {
     std::string material;    ///< unused for instances: their prototypes' parts name their own
     Primvars primvars = {};  ///< constant ones, read where the geometry has none of the name
     std::vector<std::string> face_materials = {};  ///< what Mesh::face_materials numbers
+    PassRole role = {};
 };
 
 /// A photometric web: `values` by horizontal angle, then vertical angle (IES LM-63), as multiples
@@ -200,6 +210,8 @@ struct Light {
     float shadow_distance = -1;
     /// Paths of the objects that it does not light, ascending.
     std::vector<std::string> unlit;
+    bool camera_visible =
+        true;  ///< false: camera rays that meet nothing do not see it (Environment)
 };
 
 /// A camera. Camera space looks along -z, y up. `window` is (left, right, bottom, top) of the image

@@ -55,6 +55,9 @@ const Mesh* mesh_of(const Object& object) {
 /// Whether rays meet the two alike: only shading may differ.
 bool same_hits(const Object& a, const Object& b) {
     if (!same_bits(a.world_from_object, b.world_from_object)) return false;
+    if (a.role.camera_visible != b.role.camera_visible) return false;
+    // What is instanced has no points of its own that could be told to shade otherwise.
+    if ((is_instance(a) || is_array(a)) && a.role != b.role) return false;
     const Mesh *mesh = mesh_of(a), *other = mesh_of(b);
     return mesh && other ? mesh == other || same_hits(*mesh, *other) : same(a.geometry, b.geometry);
 }
@@ -63,7 +66,7 @@ bool same_hits(const Object& a, const Object& b) {
 bool same_shading(const Object& a, const Object& b) {
     return is_instance(a) || is_array(a) ||
            (same(a.geometry, b.geometry) && same(a.primvars, b.primvars) &&
-            a.material == b.material && a.face_materials == b.face_materials);
+            a.material == b.material && a.face_materials == b.face_materials && a.role == b.role);
 }
 
 /// The materials that `object` may show, part by part.
@@ -369,7 +372,8 @@ void Scene::place_entries(std::uint32_t index, ObjectSlot next, AppliedChanges& 
     next.rank = objects_[index].rank;
     former.array = std::exchange(objects_[index], std::move(next));
     const ObjectSlot &now = objects_[index], &was = former.array;
-    const bool moved = !same_bits(now.render_from_array, was.render_from_array);
+    const bool moved = !same_bits(now.render_from_array, was.render_from_array) ||
+                       now.record.role != was.record.role;
     std::size_t i = 0, j = 0;  // entries of the array that was and of that which is
     auto run = runs.begin();
     while (i < was.array->size() || j < now.array->size()) {
@@ -438,6 +442,18 @@ M44d Scene::render_from_trace(std::uint32_t slot, std::uint32_t part) const {
         m = array.outer_from_prototype(entry) * m;
     });
     return m;
+}
+
+bool Scene::matte(std::uint32_t slot, std::uint32_t part) const {
+    if (object(slot).record.role.matte) return true;
+    const CompiledPrototype* shared = prototype(slot);
+    if (!shared) return false;
+    bool within = false;
+    const Surface& surface =
+        shared->part(part, [&](const NestedArray& array, std::uint32_t /*entry*/) {
+            within = within || array.role.matte;
+        });
+    return within || surface.role.matte;
 }
 
 std::string Scene::name(std::uint32_t slot) const {

@@ -42,6 +42,7 @@ struct Surface {
     std::uint32_t material = 0;                  ///< slot in Scene::materials()
     std::vector<std::uint32_t> face_materials;   ///< slots of what Mesh::face_materials numbers
     Primvars primvars = {};  ///< constant ones, read where the mesh has none of the name
+    PassRole role = {};      ///< of a part; an object's is in its record
 
     /// Slot of the material of a triangle (of a quadric: 0).
     [[nodiscard]] std::uint32_t material_of(std::uint32_t primitive) const {
@@ -61,6 +62,7 @@ struct NestedArray {
     M44d outer_from_array;
     std::vector<std::shared_ptr<const CompiledPrototype>> prototypes;
     std::uint32_t first_part = 0, stride = 1;
+    PassRole role = {};
 
     [[nodiscard]] const CompiledPrototype& prototype(std::size_t entry) const {
         return *prototypes[record->prototype(entry)];
@@ -232,6 +234,8 @@ class Scene {
         const ObjectSlot& o = object(slot);
         return o.array ? o.prototype_of(entry(slot)).part(part) : o.part(part);
     }
+    /// Whether the render pass holds out a part, or the whole object.
+    [[nodiscard]] bool matte(std::uint32_t slot, std::uint32_t part) const;
     /// Null: no instance.
     [[nodiscard]] const CompiledPrototype* prototype(std::uint32_t slot) const {
         const ObjectSlot& o = object(slot);

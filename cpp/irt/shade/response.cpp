@@ -98,6 +98,13 @@ V3d reflected_share(const Response& response, const V3d& normal, const V3d& to_l
     return share * (nl * response.presence);
 }
 
+Response black_response() {
+    Response r;
+    r.base_color = r.diffuse = r.f0 = r.f90 = r.emission = r.transmission = V3d(0, 0, 0);
+    r.alpha = r.coat_alpha = 1;
+    return r;
+}
+
 Spawned spawn(const Response& response, const V3d& direction, const V3d& shading,
               const V3d& geometric, bool front) {
     Spawned out;

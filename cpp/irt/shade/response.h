@@ -34,6 +34,9 @@ inline constexpr double min_alpha = 1e-4;
 
 Response make_response(const SurfaceValues& material, double mirror_roughness);
 
+/// A surface that returns, emits and passes nothing.
+Response black_response();
+
 /// Schlick's Fresnel reflectance for the cosine `c` between half vector and view.
 V3d fresnel(const Response& response, double c);
 

@@ -39,7 +39,8 @@ Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& co
       mirror_roughness_(settings.mirror_roughness),
       cone_(cone),
       cost_limit_(static_cast<std::int64_t>(
-          std::floor(-price_scale * libm::log2(settings.throughput_cutoff)))) {
+          std::floor(-price_scale * libm::log2(settings.throughput_cutoff)))),
+      held_out_(black_response()) {
     responses_.reserve(scene.materials().size());
     for (const MaterialSlot& material : scene.materials()) {
         responses_.push_back(make_response(material.record, settings.mirror_roughness));
@@ -57,6 +58,12 @@ VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit
         surface, &responses_[surface.material],  std::nullopt, normalized(V3d(ray.direction)), {},
         {},      scene_.object_index(hit.object)};
     if (varies_[surface.material]) shade_locally(ray, hit, travelled, point);
+    point.camera = ray.camera;
+    if (ray.camera && !point.response().invisible() && scene_.matte(hit.object, hit.part)) {
+        point.matte = true;
+        point.local.reset();
+        point.uniform = &held_out_;
+    }
     const double side = point.surface.front ? 1 : -1;
     point.shading = point.surface.shading_normal * side;
     point.geometric = point.surface.geometric_normal * side;
@@ -79,7 +86,11 @@ void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double
 }
 
 FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) const {
-    return {true, point.surface.position, V3f(point.shading), V3f(point.response().base_color),
+    return {true,
+            point.matte,
+            point.surface.position,
+            V3f(point.shading),
+            V3f(point.response().base_color),
             scene_.id(object)};
 }
 
@@ -117,7 +128,10 @@ Spawned Shading::spawned(const VisiblePoint& point) const {
 trace::Ray Shading::spawned_ray(const VisiblePoint& point, const V3d& direction) const {
     // Narrowed first: near grazing, narrowing may turn a direction to the surface's other side.
     const V3f narrowed(direction);
-    return trace::make_ray(offset_ray_origin(point.surface, V3d(narrowed)), narrowed);
+    trace::Ray ray = trace::make_ray(offset_ray_origin(point.surface, V3d(narrowed)), narrowed);
+    // What goes by what is not there goes on as the ray it was.
+    ray.camera = point.camera && point.response().presence < 1 && direction == point.direction;
+    return ray;
 }
 
 V3d transmittance(const trace::Occlusion& occlusion) {

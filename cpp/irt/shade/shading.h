@@ -25,6 +25,8 @@ struct VisiblePoint {
     V3d direction;                  ///< unit, of the ray that sees it
     V3d shading, geometric;         ///< unit normals on the side the ray came from
     std::uint32_t object = 0;       ///< index into Scene::all_objects()
+    bool camera = false;            ///< the ray is a camera ray
+    bool matte = false;             ///< held out of it: nothing comes from here
 
     [[nodiscard]] const Response& response() const { return local ? *local : *uniform; }
 };
@@ -39,6 +41,7 @@ struct RayCone {
 /// The first visible surface of a sample, for AOVs and coverage.
 struct FirstHit {
     bool hit = false;
+    bool matte = false;           ///< held out: it covers nothing
     V3d position{0, 0, 0};        ///< render space
     V3f shading_normal{0, 0, 0};  ///< unit, render orientation, on the viewer's side
     V3f albedo{0, 0, 0};
@@ -108,15 +111,17 @@ class Shading {
     std::int64_t cost_limit_;
     std::vector<Response> responses_;  ///< by material slot
     std::vector<bool> varies_;         ///< by material slot
+    Response held_out_;                ///< of what is matte, seen by the camera
 };
 
 /// Share of light that passes along a shadow ray, by channel.
 V3d transmittance(const trace::Occlusion& occlusion);
 /// The same, a light's shadow colour standing for what does not pass.
 V3d shadowed(const Light& light, const trace::Occlusion& occlusion);
-/// What a ray that meets nothing sees of a light of unit energy.
-inline V3f seen_beyond(const Light& light) {
-    return light.kind == LightKind::Environment ? V3f(1, 1, 1) : V3f(0, 0, 0);
+/// What a ray that meets nothing sees of a light of unit energy; `camera`: as in trace::Ray.
+inline V3f seen_beyond(const Light& light, bool camera) {
+    const bool seen = light.kind == LightKind::Environment && (light.camera_visible || !camera);
+    return seen ? V3f(1, 1, 1) : V3f(0, 0, 0);
 }
 
 /// sum + weight * term, rounded once to single precision: how a branch joins its node.

@@ -49,14 +49,14 @@ V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost, 
     const trace::Hit hit = source_.nearest(ray, scratch.counts.queries);
     if (!hit) {
         for (std::size_t l = 0; l < lights().size(); ++l)
-            columns[l] = seen_beyond(lights()[l].record);
+            columns[l] = seen_beyond(lights()[l].record, ray.camera);
         return {0, 0, 0};
     }
 
     const VisiblePoint point = shading_.visible_point(ray, hit, travelled);
     if (!scratch.first.hit && !point.response().invisible())
-        scratch.first =
-            scratch.surface_wanted ? shading_.first_hit(point, hit.object) : FirstHit{true};
+        scratch.first = scratch.surface_wanted ? shading_.first_hit(point, hit.object)
+                                               : FirstHit{true, point.matte};
     shade_lights(point, columns, scratch);
     V3f unscaled(point.response().emission);
     if (depth == shading_.max_depth()) return unscaled;

@@ -12,7 +12,7 @@ template <class Found>
 void for_each_hit(const Scene& scene, const Ray& ray, Found&& found) {
     const JudgeRay world = judge_ray(ray);
     for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot)
-        if (scene.live(slot) && judge_object(scene, slot, world, found)) return;
+        if (scene.live(slot) && judge_object(scene, slot, world, ray.camera, found)) return;
 }
 
 }  // namespace

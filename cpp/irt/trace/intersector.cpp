@@ -21,6 +21,7 @@ struct Query {
     EmbreeRay embree_ray;
     std::uint32_t instance;  ///< object slot whose prototype this tree is within, or `none`
     std::uint32_t part;      ///< what to add to part numbers of this tree
+    std::uint8_t rays;       ///< a RayKind
     QueryCounts* counts;
     union {
         Hit* best;
@@ -101,8 +102,8 @@ void judge_leaf(const Shape& shape, std::size_t leaf, Query& query, Found&& foun
 
 void intersect_packet(const RTCIntersectFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
     Query& query = query_of(arguments->context);
+    if (!(shape.rays & query.rays)) return;
     judge_leaf(shape, arguments->primID, query, [&](const Hit& hit) {
         if (take(hit, query))
             reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray.tfar =
@@ -113,8 +114,8 @@ void intersect_packet(const RTCIntersectFunctionNArguments* arguments) {
 
 void occlude_packet(const RTCOccludedFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
     Query& query = query_of(arguments->context);
+    if (!(shape.rays & query.rays)) return;
     judge_leaf(shape, arguments->primID, query, [&](const Hit& hit) {
         if (!add_occluder(*query.scene, hit, *query.sum)) return false;
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
@@ -133,8 +134,8 @@ bool judge_shape(const Shape& shape, std::uint32_t primitive, Query& query, Hit&
 
 void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
     Query& query = query_of(arguments->context);
+    if (!(shape.rays & query.rays)) return;
     Hit hit;
     if (judge_shape(shape, arguments->primID, query, hit) && take(hit, query))
         reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray.tfar =
@@ -143,8 +144,8 @@ void intersect_solid(const RTCIntersectFunctionNArguments* arguments) {
 
 void occlude_solid(const RTCOccludedFunctionNArguments* arguments) {
     const auto& shape = *static_cast<const Shape*>(arguments->geometryUserPtr);
-    if (!shape.active) return;
     Query& query = query_of(arguments->context);
+    if (!(shape.rays & query.rays)) return;
     Hit hit;
     if (judge_shape(shape, arguments->primID, query, hit) &&
         add_occluder(*query.scene, hit, *query.sum))
@@ -168,6 +169,7 @@ bool enter_instance(const Entered& instance, const Query& outer, double t_limit,
     inner.ray = &local;
     inner.instance = instance.slot;
     inner.part = instance.part;
+    inner.rays = outer.rays;
     inner.counts = outer.counts;
     return true;
 }
@@ -192,17 +194,17 @@ void occlude_group(const Entered& instance, Query& outer, float& t_far) {
 }
 
 /// What one of Embree's primitives that is an instance leads to. False: nothing is there.
-bool find_instance(const Shape& shape, const Query&, std::uint32_t, Entered& entered) {
+bool find_instance(const Shape& shape, const Query& query, std::uint32_t, Entered& entered) {
     entered.group = shape.group.get();
     entered.prototype_from_trace = shape.prototype_from_trace;
     entered.slot = shape.object;
     entered.part = 0;
-    return shape.active;
+    return (shape.rays & query.rays) != 0;
 }
 
 bool find_entry(const Shape& shape, const Query& query, std::uint32_t primitive, Entered& entered) {
     const std::uint32_t slot = shape.slots[primitive];
-    if (shape.moved && (*shape.moved)[slot]) return false;
+    if (!(shape.rays & query.rays) || (shape.moved && (*shape.moved)[slot])) return false;
     entered.group = &shape.group_of_slot(slot);
     entered.prototype_from_trace = query.scene->prototype_from_render(slot);
     entered.slot = slot;
@@ -217,7 +219,7 @@ bool find_nested(const Shape& shape, const Query& query, std::uint32_t primitive
     entered.prototype_from_trace = inverse_of(array.outer_from_prototype(primitive));
     entered.slot = query.instance;
     entered.part = query.part + array.first_part + primitive * array.stride;
-    return entered.group->tree != nullptr;
+    return (shape.rays & query.rays) && entered.group->tree != nullptr;
 }
 
 template <auto find>
@@ -298,6 +300,7 @@ void Intersector::search_nearest(const Ray& ray, unsigned which, Hit& best, Hit*
     query.ray = &judged;
     query.instance = none;
     query.part = 0;
+    query.rays = ray.camera ? camera_ray : other_ray;
     query.counts = &counts;
     query.best = &best;
     query.behind = behind;
@@ -355,6 +358,7 @@ Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts&
     query.ray = &judged;
     query.instance = none;
     query.part = 0;
+    query.rays = ray.camera ? camera_ray : other_ray;
     query.counts = &counts;
     query.sum = &sum;
     if ((which & still_tree) && trees.still() && search_any(trees.still(), query, judged.t_max))

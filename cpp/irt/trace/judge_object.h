@@ -19,12 +19,15 @@ bool judge_surface(const Surface& surface, const JudgeRay& ray, const Hit& named
     return false;
 }
 
+/// Whether rays, of the camera or not, meet what has this role.
+inline bool meets(bool camera, const PassRole& role) { return !camera || role.camera_visible; }
+
 template <class Found>
-bool judge_prototype(const CompiledPrototype& prototype, const JudgeRay& ray, Hit named,
-                     Found&& found) {
+bool judge_prototype(const CompiledPrototype& prototype, const JudgeRay& ray, bool camera,
+                     Hit named, Found&& found) {
     const std::uint32_t first = named.part;
     for (const Surface& surface : prototype.surfaces) {
-        if (judge_surface(surface, ray, named, found)) return true;
+        if (meets(camera, surface.role) && judge_surface(surface, ray, named, found)) return true;
         ++named.part;
     }
     for (const NestedArray& array : prototype.arrays)
@@ -32,22 +35,26 @@ bool judge_prototype(const CompiledPrototype& prototype, const JudgeRay& ray, Hi
             JudgeRay local;
             transform_ray(inverse_of(array.outer_from_prototype(entry)), ray, local);
             named.part = first + array.first_part + entry * array.stride;
-            if (judge_prototype(array.prototype(entry), local, named, found)) return true;
+            if (meets(camera, array.role) &&
+                judge_prototype(array.prototype(entry), local, camera, named, found))
+                return true;
         }
     return false;
 }
 
 /// Calls found(hit) for every primitive of a live object that `ray`, in render space, meets within
-/// its limits. True once it says so.
+/// its limits. True once it says so. `camera`: as in Ray.
 template <class Found>
-bool judge_object(const Scene& scene, std::uint32_t slot, const JudgeRay& ray, Found&& found) {
+bool judge_object(const Scene& scene, std::uint32_t slot, const JudgeRay& ray, bool camera,
+                  Found&& found) {
+    if (!meets(camera, scene.object(slot).record.role)) return false;
     Hit named;
     named.object = slot;
     const CompiledPrototype* prototype = scene.prototype(slot);
     if (!prototype) return judge_surface(scene.object(slot).surface, ray, named, found);
     JudgeRay local;
     transform_ray(scene.prototype_from_render(slot), ray, local);
-    return judge_prototype(*prototype, local, named, found);
+    return judge_prototype(*prototype, local, camera, named, found);
 }
 
 }  // namespace irt::trace

@@ -18,6 +18,8 @@ struct Ray {
     V3f origin;
     V3f direction;
     float t_max = std::numeric_limits<float>::infinity();
+    /// It comes straight from the camera: what the pass hides from that is not there for it.
+    bool camera = false;
 };
 
 /// Smallest direction component, relative to the largest. Far below the rounding of the largest

@@ -185,6 +185,7 @@ std::shared_ptr<const Group> Trees::group_of(const std::shared_ptr<const Compile
     for (std::uint32_t part = 0; part < key->surfaces.size(); ++part) {
         group->shapes.push_back(make_shape(key->surfaces[part], nullptr));
         group->shapes.back()->part = part;
+        group->shapes.back()->rays = met_by(key->surfaces[part].role);
         if (!group->shapes.back()->box.empty()) group->frame.box.extend(group->shapes.back()->box);
     }
     for (const NestedArray& array : key->arrays) {
@@ -210,6 +211,7 @@ std::unique_ptr<Shape> Trees::make_nested(const NestedArray& array) {
     auto shape = std::make_unique<Shape>();
     shape->part = array.first_part;
     shape->nested = &array;
+    shape->rays = met_by(array.role);
     for (const auto& prototype : array.prototypes)
         shape->nested_groups.push_back(group_of(prototype));
     for (std::uint32_t entry = 0; entry < array.record->size(); ++entry)
@@ -229,6 +231,7 @@ std::unique_ptr<Shape> Trees::make_object(const ObjectSlot& object, const Shape*
         shape = make_shape(object.surface, previous);
     }
     shape->object = object.slot;
+    shape->rays = met_by(object.record.role);
     return shape;
 }
 
@@ -237,6 +240,7 @@ std::unique_ptr<Shape> Trees::make_entries(const Entries& entries,
                                            std::vector<std::uint32_t> slots) {
     auto shape = std::make_unique<Shape>();
     shape->scene = scene_;
+    shape->rays = entries.rays;
     shape->groups = &entries.groups;
     std::erase_if(slots, [&](std::uint32_t slot) { return !shape->group_of_slot(slot).tree; });
     shape->slots = std::move(slots);
@@ -285,7 +289,7 @@ void Trees::take_object(std::uint32_t slot) {
     std::unique_ptr<Shape> previous = std::move(object.shape);
     if (record.live) object.shape = make_object(record, previous.get());
     if (previous && !moves_[slot]) {
-        previous->active = false;
+        previous->rays = 0;
         retired_.push_back(std::move(previous));
     }
     moves_[slot] = true;
@@ -307,6 +311,7 @@ void Trees::take_entries(std::uint32_t index, const std::vector<std::uint32_t>& 
         moves_[slot] = true;
         if (scene_->live(slot)) entries.movers.push_back(slot);
     }
+    entries.rays = met_by(array.record.role);
     entries.moving = make_entries(entries, entries.movers);
     if (!entries.moving->box.empty()) entries.box.extend(entries.moving->box);
 }

@@ -35,6 +35,11 @@ const Callbacks& callbacks();
 
 struct Group;
 
+/// Kinds of rays, as bits: those of the camera, and all others.
+enum RayKind : std::uint8_t { camera_ray = 1, other_ray = 2, any_ray = 3 };
+
+inline RayKind met_by(const PassRole& role) { return role.camera_visible ? any_ray : other_ray; }
+
 /// Groups by prototype of an array.
 using Groups = std::vector<std::shared_ptr<const Group>>;
 
@@ -44,7 +49,8 @@ struct Shape {
     const Frame* frame = nullptr;  ///< of the tree it is in
     std::uint32_t object = none;   ///< slot; `none` within a group, and of an array
     std::uint32_t part = 0;
-    bool active = true;  ///< false: the object has changed since; this shape only awaits a rebuild
+    /// Those that meet it. 0: the object has changed since; this shape only awaits a rebuild.
+    std::uint8_t rays = any_ray;
     bool single_sided = false;  ///< meshes
 
     Surface surface;  ///< all but meshes and instances: what their judge reads
@@ -113,6 +119,7 @@ class Trees {
     /// tree for the others.
     struct Entries {
         Groups groups;
+        RayKind rays = any_ray;             ///< those that meet the array
         std::unique_ptr<Shape> still;       ///< those there were when the still tree was built
         std::size_t retired = 0;            ///< of `still`: have changed since
         std::vector<std::uint32_t> movers;  ///< slots of those that have changed since, and live

@@ -84,7 +84,7 @@ void CellUpdate::settle(history::SampleIndex first, const history::RayTrees::End
                         light.paths.end(), reached))
             return;
     std::vector<V3f> beyond;
-    for (std::size_t c = 0; c <= lights_.size(); ++c) beyond.push_back(seen_beyond(c));
+    for (std::size_t c = 0; c <= lights_.size(); ++c) beyond.push_back(seen_beyond(c, true));
     trees_.settle(first, end, beyond);
 }
 
@@ -211,8 +211,8 @@ trace::Hit CellUpdate::kept_hit(NodeIndex index) const {
 
 /// The lengths of the rays that led to this node's, summed from the root on as shade::Whitted does.
 double CellUpdate::travelled(NodeIndex index) const {
-    const NodeIndex parent = trees_.nodes[index].parent;
-    if ((parent & history::root_bit) || mutated(Mutant::footprint_restarted)) return 0;
+    if (trees_.is_root(index) || mutated(Mutant::footprint_restarted)) return 0;
+    const NodeIndex parent = trees_.parent(index);
     return travelled(parent) + shade::Shading::length(trees_.ray(parent), trees_.nodes[parent].t);
 }
 
@@ -251,7 +251,7 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
     fresh.origin = ray.origin;
     fresh.direction = ray.direction;
     fresh.weight = share;
-    fresh.parent = node;
+    fresh.parent = ray.camera ? node | history::camera_bit : node;
     shade::with_stack_for(depth + 1, [&] { trace_new(branch, ray, depth + 1, below); });
 }
 
@@ -259,8 +259,9 @@ void CellUpdate::settle_branch(NodeIndex node, int which, const ShadePoint& poin
 /// was traced below it nor traces what was cut (DESIGN 3, rule 5).
 bool CellUpdate::branch_holds(NodeIndex branch, const trace::Ray& ray, std::int64_t cost) const {
     const Node& kept = trees_.nodes[branch];
-    const bool same_ray =
-        same_bits(kept.origin, ray.origin) && same_bits(kept.direction, ray.direction);
+    const bool same_ray = same_bits(kept.origin, ray.origin) &&
+                          same_bits(kept.direction, ray.direction) &&
+                          trees_.ray(branch).camera == ray.camera;
     if (!same_ray && !mutated(Mutant::branch_ray_kept)) return false;
     if (kept.point == no_point || mutated(Mutant::cut_off_not_rewalked)) return true;
     const KeptPoint& point = trees_.points[kept.point];
@@ -283,11 +284,13 @@ void CellUpdate::combine_node(NodeIndex node) {
     point.greatest_traced = -no_price;
     point.least_cut = point.own_cut;
     const Node* branches[2];
+    bool camera[2];
     int count = 0;
     for (int which = 0; which < 2; ++which) {
         if (point.branches[which] == no_node) continue;
         const Node& branch = trees_.nodes[point.branches[which]];
         const std::int32_t price = point.prices[which];
+        camera[count] = trees_.ray(point.branches[which]).camera;
         branches[count++] = &branch;
         point.greatest_traced = std::max(point.greatest_traced, price);
         if (branch.point == no_point) continue;
@@ -302,7 +305,7 @@ void CellUpdate::combine_node(NodeIndex node) {
         V3f sum = column[at].own;
         for (int b = 0; b < count; ++b) {
             const V3f below = branches[b]->point == no_point
-                                  ? seen_beyond(c)
+                                  ? seen_beyond(c, camera[b])
                                   : column[branches[b]->point].cumulative;
             sum = shade::add_scaled(sum, branches[b]->weight, below);
         }
@@ -332,18 +335,17 @@ void CellUpdate::count_new(NodeIndex node) {
 
 /// A query for a node's ray that was there.
 void CellUpdate::count_query(NodeIndex node) {
-    const NodeIndex parent = trees_.nodes[node].parent;
-    if (parent & history::root_bit)
+    if (trees_.is_root(node))
         ++counts_.rays.primary;
-    else if (trees_.points[trees_.nodes[parent].point].branches[0] == node)
+    else if (trees_.points[trees_.nodes[trees_.parent(node)].point].branches[0] == node)
         ++counts_.rays.reflected;
     else
         ++counts_.rays.refracted;
 }
 
-/// What a ray that meets nothing sees, of a column.
-V3f CellUpdate::seen_beyond(std::size_t column) const {
-    return column == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[column - 1].record);
+/// What a ray that meets nothing sees, of a column; `camera`: as in trace::Ray.
+V3f CellUpdate::seen_beyond(std::size_t column, bool camera) const {
+    return column == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[column - 1].record, camera);
 }
 
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
@@ -351,7 +353,7 @@ V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const bool settled = (root & history::settled_bit) != 0;
     const std::uint32_t at = settled ? root & ~history::settled_bit : trees_.nodes[root].point;
     const auto cumulative = [&](std::size_t column) {
-        if (!settled && at == no_point) return V3d(seen_beyond(column));
+        if (!settled && at == no_point) return V3d(seen_beyond(column, true));
         return V3d(settled ? trees_.settled[column][at] : trees_.columns[column][at].cumulative);
     };
     V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);
@@ -371,9 +373,10 @@ shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface)
         if (surface || varies) {
             const ShadePoint point = shade_point_of(node);
             if (!point.response().invisible())
-                return surface ? shading_.first_hit(point, visible.object) : shade::FirstHit{true};
+                return surface ? shading_.first_hit(point, visible.object)
+                               : shade::FirstHit{true, point.matte};
         } else if (!shading_.response(material).invisible()) {
-            return shade::FirstHit{true};
+            return {true, shading_.scene().matte(visible.object, visible.part)};
         }
         node = trees_.points[trees_.nodes[node].point].branches[1];
     }

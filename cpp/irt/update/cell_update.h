@@ -82,7 +82,7 @@ class CellUpdate {
     [[nodiscard]] const UpdateCounts& counts() const { return counts_; }
 
   private:
-    [[nodiscard]] V3f seen_beyond(std::size_t column) const;
+    [[nodiscard]] V3f seen_beyond(std::size_t column, bool camera) const;
     using NodeIndex = history::NodeIndex;
     using PointIndex = history::PointIndex;
     using ShadePoint = shade::VisiblePoint;

@@ -124,8 +124,8 @@ class _Instance:
             placed = state.shape.place(state.world_from_object) @ prototype_from_world
             placed[:, 3] = (0, 0, 0, 1)  # what rounding may have touched
             name = path.removeprefix(self.path + "/")
-            _, geometry, _, material, primvars, faces = state.part(name)
-            parts.append((name, geometry, placed, material, primvars, faces))
+            _, geometry, _, material, primvars, faces, role = state.part(name)
+            parts.append((name, geometry, placed, material, primvars, faces, role))
         return _core.Prototype(parts)
 
 

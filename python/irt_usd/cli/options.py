@@ -78,6 +78,7 @@ def shot_options(command: Command) -> Command:
         region: str | None,
         lock_camera: str | None,
         dome_samples: int,
+        pass_path: str | None,
         **rest: Any,
     ) -> Any:
         options = ShotOptions(
@@ -98,6 +99,7 @@ def shot_options(command: Command) -> Command:
             _parse_region(region) if region is not None else None,
             _parse_frame(lock_camera) if lock_camera is not None else None,
             dome_samples,
+            pass_path,
         )
         return command(*args, options=options, **rest)
 
@@ -116,6 +118,12 @@ def shot_options(command: Command) -> Command:
             "settings_path",
             metavar="PATH",
             help="The RenderSettings prim; by default the stage's renderSettingsPrimPath.",
+        ),
+        click.option(
+            "--pass",
+            "pass_path",
+            metavar="PATH",
+            help="The RenderPass whose settings and collections hold; by default none.",
         ),
         click.option(
             "-f",

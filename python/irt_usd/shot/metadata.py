@@ -62,6 +62,8 @@ def shot_metadata(shot: Shot, settings: TraceSettings, view: int = 0) -> dict[st
         entries["irt:sessionLayer"] = Path(shot.options.session_layer).name
     if shot.options.mask:
         entries["irt:mask"] = " ".join(shot.options.mask)
+    if shot.reader.render_pass.path:
+        entries["irt:renderPass"] = shot.reader.render_pass.path
     if product:
         entries["irt:renderProduct"] = product
     if shot.options.lock_camera is not None:

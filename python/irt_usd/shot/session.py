@@ -141,6 +141,7 @@ def _reading(options: ShotOptions) -> ReadOptions:
         data_window=options.data_window,
         lock_camera=float(options.lock_camera) if options.lock_camera is not None else None,
         dome_samples=options.dome_samples,
+        render_pass=options.render_pass,
     )
 
 

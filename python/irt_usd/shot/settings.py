@@ -46,6 +46,7 @@ class ShotOptions:
     data_window: tuple[float, float, float, float] | None = None
     lock_camera: Decimal | None = None
     dome_samples: int = 32
+    render_pass: str | None = None
 
 
 @dataclass(frozen=True)

@@ -120,8 +120,16 @@ class PrototypeSource:
 class InstancerSource:
     """Reads one instancer."""
 
-    def __init__(self, node: Node, prototypes: Sequence[PrototypeSource], report: Report) -> None:
+    def __init__(
+        self,
+        node: Node,
+        prototypes: Sequence[PrototypeSource],
+        report: Report,
+        role: tuple[bool, bool] = (True, False),
+    ) -> None:
+        """`role`: as ObjectState has it."""
         self.node = node
+        self._role = role
         self._prototypes = prototypes
         self._report = report
         self._instancer = UsdGeom.PointInstancer(node.prim)
@@ -171,7 +179,7 @@ class InstancerSource:
             or self._state.shape is not shape
             or not same_bits(self._state.world_from_object, world)
         ):
-            self._state = ObjectState(self.node.path, shape, world, "")
+            self._state = ObjectState(self.node.path, shape, world, "", False, self._role)
         self._shape = shape
         return self._state
 

@@ -101,6 +101,8 @@ class LightSource:
         self.node = node
         self._dome_samples = dome_samples
         self._unlit: tuple[str, ...] = ()
+        self.camera_visible = True
+        """Whether the camera sees a dome in the render pass."""
         self._prim = prim
         self._report = report
         self._kind = str(prim.GetTypeName())
@@ -214,6 +216,7 @@ class LightSource:
             shadows,
             shaped,
             self._dome_samples,
+            self.camera_visible,
         )
 
     def _modifiers(self, time: Usd.TimeCode) -> dict[str, Any] | None:

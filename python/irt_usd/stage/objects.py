@@ -31,8 +31,11 @@ class ObjectSource:
         material: str,
         report: Report,
         skin: Skin | None = None,
+        role: tuple[bool, bool] = (True, False),
     ) -> None:
+        """`role`: as ObjectState has it."""
         self.node = node
+        self._role = role
         self._skin = skin
         self._place: Node | Skin = skin or node
         self._shape = shape
@@ -76,7 +79,8 @@ class ObjectSource:
                 message = "in world space the points exceed single precision; scale the scene down"
                 self._report.skipped(message, prim_location(self.node.prim))
                 return None
-        return ObjectState(self.node.path, shape, world, self._material, self._instanced)
+        instanced = self._instanced
+        return ObjectState(self.node.path, shape, world, self._material, instanced, self._role)
 
     def _check_transform(self, time: Usd.TimeCode) -> bool:
         fault = transform_fault(self._place.world)

@@ -24,6 +24,7 @@ from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
 from irt_usd.stage.objects import ObjectSource, ShapeSource
+from irt_usd.stage.passes import read_pass
 from irt_usd.stage.points import PointsSource
 from irt_usd.stage.quadrics import QuadricSource
 from irt_usd.stage.settings import BINDING_PURPOSES, Settings, read_settings
@@ -59,6 +60,7 @@ class ReadOptions:
     rendered; None: the render settings', or default and render. `camera_light`: whether a stage
     without a light that irt renders gets one at the first view's camera. `dome_samples`: directions
     that a dome lights from. `missing_asset`: what becomes of a shot whose files are not all there.
+    `render_pass`: the RenderPass (a path or a bare name) whose settings and collections hold.
     `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
     may take. `textures`: those of another reader of the same stage.
     """
@@ -76,6 +78,7 @@ class ReadOptions:
     lock_camera: float | None = None
     dome_samples: int = DOME_SAMPLES
     views: tuple[View, ...] | None = None
+    render_pass: str | None = None
 
 
 class _Placed(Protocol[_State]):
@@ -115,7 +118,10 @@ class ShotReader:
             self._analyse(options, frames)
 
     def _analyse(self, options: ReadOptions, frames: Sequence[float]) -> None:
-        settings = read_settings(self._stage, options.settings, self._file, self._report)
+        self.render_pass = read_pass(self._stage, options.render_pass, self._file, self._report)
+        """What the shot's render pass makes of prims."""
+        wanted = options.settings or self.render_pass.settings
+        settings = read_settings(self._stage, wanted, self._file, self._report)
         self.views = options.views or tuple(self._plan_views(settings, options, frames[0]))
         """The shot's images, one at least."""
         self._cameras = [
@@ -130,7 +136,8 @@ class ShotReader:
         self.purposes = options.purposes or settings.purposes
         """Those of UsdGeom's that are rendered."""
         self._binding_purpose = (settings.binding_purposes or BINDING_PURPOSES)[0]
-        found = survey(self._stage, self.purposes, self._report)
+        prunes = self.render_pass.prunes if self.render_pass.path else None
+        found = survey(self._stage, self.purposes, self._report, prunes)
         self._hierarchy = found.hierarchy
         colors = StageColors(self._stage, self._report, settings.path)
         self.colors = colors.spaces
@@ -142,8 +149,11 @@ class ShotReader:
                 self._report,
             )
             for n in found.lights
+            if not self.render_pass.hides(n.path)
         ]
         self._lights = [light for light in lights if light is not None]
+        for light in self._lights:
+            light.camera_visible, _ = self.render_pass.role(light.node.path)
         self._is_lit = bool(found.lights)
         self.camera_light = options.camera_light and not found.lights
         """Whether a light at the camera stands in: the stage has no light of a kind rendered."""
@@ -226,18 +236,27 @@ class ShotReader:
             old.hidden if old and hidden == old.hidden else frozenset(hidden),
         )
 
-    def _bind(self, nodes: Sequence[Node], divided: Container[str]) -> list[ObjectSource]:
-        """Sources of the objects, and (in passing) of every material they wear."""
+    def _bind(
+        self, nodes: Sequence[Node], divided: Container[str], is_part: bool = False
+    ) -> list[ObjectSource]:
+        """Sources of the objects, and (in passing) of every material they wear.
+
+        `is_part`: they are parts of a prototype.
+        """
         sources = []
+        nodes = [node for node in nodes if not self.render_pass.hides(node.path, is_part)]
         skins = Skins(self._hierarchy, self._report)
         bindings = bound_materials(
             [node.prim for node in nodes], self._report, self._binding_purpose
         )
         for node, (_, material) in zip(nodes, bindings, strict=True):
             skin = attempt(partial(skins.skin, node), node.prim, self._report)
+            if material and self.render_pass.prunes(str(material.GetPath())):
+                material = None
             name, shape = self._shape(node, material, skin, divided)
             if shape is not None:
-                sources.append(ObjectSource(node, shape, name, self._report, skin))
+                role = self.render_pass.role(node.path, is_part)
+                sources.append(ObjectSource(node, shape, name, self._report, skin, role))
         return sources
 
     def _shape(
@@ -304,12 +323,15 @@ class ShotReader:
             return CurvesSource(node, self._report, wanted, skin, self._level)
         return QuadricSource(node, self._report, wanted)
 
-    def _instancers(self, nodes: Sequence[Node]) -> list[InstancerSource]:
+    def _instancers(self, nodes: Sequence[Node], is_part: bool = False) -> list[InstancerSource]:
         sources = []
         for node in nodes:
+            if self.render_pass.hides(node.path, is_part):
+                continue
             prototypes = attempt(partial(self._prototypes_of, node), node.prim, self._report)
             if prototypes:
-                sources.append(InstancerSource(node, prototypes, self._report))
+                role = self.render_pass.role(node.path, is_part)
+                sources.append(InstancerSource(node, prototypes, self._report, role))
         return sources
 
     def _prototypes_of(self, node: Node) -> list[PrototypeSource] | None:
@@ -336,13 +358,17 @@ class ShotReader:
         if path in self._prototypes:
             return self._prototypes[path]
         self._prototypes[path] = None
-        found = survey_prototype(root, self._hierarchy, self.purposes, self._report)
+        prunes = self.render_pass.prunes if self.render_pass.path else None
+        found = survey_prototype(root, self._hierarchy, self.purposes, self._report, prunes)
         if UsdGeom.PrimvarsAPI(root).FindPrimvarWithInheritance("displayColor"):
             for node in found.objects:
                 node.display_primvars = True
         source = PrototypeSource(
             path,
-            [*self._bind(found.objects, found.subsets), *self._instancers(found.instancers)],
+            [
+                *self._bind(found.objects, found.subsets, is_part=True),
+                *self._instancers(found.instancers, is_part=True),
+            ],
         )
         self._prototypes[path] = source
         return source

@@ -30,9 +30,10 @@ Part = tuple[
     str,
     "_core.Primvars",
     Sequence[str],
+    "_core.PassRole",
 ]
 """As _core.Prototype takes it: name, geometry, place, material, constant primvars, materials of
-faces."""
+faces, role in the render pass."""
 
 
 class Shape(ABC):
@@ -80,6 +81,8 @@ class ObjectState:
     """Key of Snapshot.materials; of an instancer, whose prototypes' parts name theirs, empty."""
     instanced: bool = False
     """Whether the shape is shared by the objects of a native instance's prototype."""
+    role: tuple[bool, bool] = (True, False)
+    """In the render pass: whether the camera sees it, whether it is matte."""
 
     @property
     def attributes(self) -> dict[str, Value]:
@@ -93,18 +96,23 @@ class ObjectState:
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
         if self.instanced:
-            prototype = self.shape.prototype(self.material)
-            changes.set_object(self.path, prototype, self.world_from_object)
+            from irt_usd import _core
+
+            prototype, role = self.shape.prototype(self.material), _core.PassRole(*self.role)
+            changes.set_object(self.path, prototype, self.world_from_object, role=role)
             return
-        _, geometry, placed, material, primvars, faces = self.part("")
-        changes.set_object(self.path, geometry, placed, material, primvars, faces)
+        _, geometry, placed, material, primvars, faces, role = self.part("")
+        changes.set_object(self.path, geometry, placed, material, primvars, faces, role)
 
     def part(self, name: str) -> "Part":
         """The object as a part of a prototype whose space is this one's world."""
+        from irt_usd import _core
+
         placed = self.shape.place(self.world_from_object)
         primvars = {key: value.single.core for key, value in self.shape.primvars.items()}
         faces = self.shape.face_materials
-        return name, self.shape.geometry(), placed, self.material, primvars, faces
+        role = _core.PassRole(*self.role)
+        return name, self.shape.geometry(), placed, self.material, primvars, faces, role
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -148,6 +156,8 @@ class LightState:
     """Of the core's record, as _core.Light has them."""
     directions: int = 0
     """That a dome lights from."""
+    camera_visible: bool = True
+    """Whether the camera sees a dome in the render pass."""
 
     def core(self) -> dict[str, "_core.Light"]:
         """The core's records, by name: of a dome the sky, and the lights that stand for it."""
@@ -164,7 +174,7 @@ class LightState:
 
         share = 4 * pi / self.directions
         energy = [channel * share for channel in self.energy]
-        lights = {self.path: _core.Light.environment(self.energy)}
+        lights = {self.path: _core.Light.environment(self.energy, self.camera_visible)}
         for name, direction in zip(self.names()[1:], dome_directions(self.directions), strict=True):
             lights[name] = _core.Light.distant(
                 direction, energy, self.casts_shadows, modifiers=shaped

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One walk over the stage: what is there to render, and what is there that is not rendered."""
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -38,23 +38,39 @@ class Survey:
     instancers: list[Node] = field(default_factory=list)
 
 
-def stage_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
-    """The prims that can have a part in a picture, parents first, instances' own included."""
-    return _pruned(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+_Predicate = Callable[[str], bool]
 
 
-def survey(stage: Usd.Stage, purposes: Container[str], report: Report) -> Survey:
+def stage_prims(stage: Usd.Stage, prunes: _Predicate | None = None) -> Iterator[Usd.Prim]:
+    """The prims that can have a part in a picture, parents first, instances' own included.
+
+    `prunes`: which, by path, are left out with all below them.
+    """
+    return _pruned(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()), prunes)
+
+
+def survey(
+    stage: Usd.Stage,
+    purposes: Container[str],
+    report: Report,
+    prunes: _Predicate | None = None,
+) -> Survey:
     """Walks active, defined, loaded prims; of what is rendered, lists the given purposes.
 
     What is inside native instances is listed too, each an object of its own, under its own path.
+    `prunes` is as in stage_prims.
     """
     found = Survey(Hierarchy(report))
-    _walk(stage_prims(stage), found, purposes, report)
+    _walk(stage_prims(stage, prunes), found, purposes, report)
     return found
 
 
 def survey_prototype(
-    root: Usd.Prim, hierarchy: Hierarchy, purposes: Container[str], report: Report
+    root: Usd.Prim,
+    hierarchy: Hierarchy,
+    purposes: Container[str],
+    report: Report,
+    prunes: _Predicate | None = None,
 ) -> Survey:
     """What is drawn at and under the prototype `root` of a point instancer.
 
@@ -64,7 +80,7 @@ def survey_prototype(
     found = Survey(hierarchy)
     predicate = Usd.PrimIsActive & Usd.PrimIsLoaded
     _walk(
-        _pruned(Usd.PrimRange(root, Usd.TraverseInstanceProxies(predicate))),
+        _pruned(Usd.PrimRange(root, Usd.TraverseInstanceProxies(predicate)), prunes),
         found,
         purposes,
         report,
@@ -75,9 +91,12 @@ def survey_prototype(
     return found
 
 
-def _pruned(prims: Usd.PrimRange) -> Iterator[Usd.Prim]:
+def _pruned(prims: Usd.PrimRange, prunes: _Predicate | None) -> Iterator[Usd.Prim]:
     walk = iter(prims)
     for prim in walk:
+        if prunes is not None and prunes(str(prim.GetPath())):
+            walk.PruneChildren()
+            continue
         if str(prim.GetTypeName()) in _LEAVES:
             walk.PruneChildren()
         yield prim
