@@ -184,8 +184,8 @@ def test_lights_and_materials_of_a_pass(shot: MakeShot) -> None:
 
 def test_a_pass_renders_with_its_source(shot: MakeShot) -> None:
     text = (
-        'def RenderSettings "Big" { uniform int2 resolution = (32, 18) }\n'
-        'def RenderSettings "Small" { uniform int2 resolution = (16, 9) }\n'
+        'def RenderSettings "Big"\n{\nuniform int2 resolution = (32, 18)\n}\n'
+        'def RenderSettings "Small"\n{\nuniform int2 resolution = (16, 9)\n}\n'
         + SCENE
         + render_pass("rel renderSource = </Big>")
     )

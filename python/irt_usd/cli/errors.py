@@ -59,8 +59,11 @@ class IrtGroup(click.Group):
                 traceback.print_exc()
             raise
         except Exception as error:
+            from irt_usd.cli.log import log
+
             if ctx.find_root().meta.get(VERBOSE):
                 traceback.print_exc()
+            log(traceback.format_exc())
             _say(
                 f"error: internal: {type(error).__name__}: {error}; this is a defect of irt"
                 " (-v shows where)"
@@ -75,4 +78,7 @@ def _discard_output() -> None:
 
 
 def _say(text: str) -> None:
+    from irt_usd.cli.log import log
+
     click.echo(f"irt: {text}", err=True)
+    log(f"irt: {text}")

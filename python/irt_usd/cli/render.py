@@ -51,6 +51,36 @@ if TYPE_CHECKING:
     "--stats", type=click.Path(path_type=Path), help="Write one JSON object a frame to this file."
 )
 @click.option("--skip-existing", is_flag=True, help="Leave out frames whose file exists.")
+@click.option(
+    "--make-output-path/--no-make-output-path",
+    default=True,
+    show_default=True,
+    help="Create the folders of the output that are not there, or refuse.",
+)
+@click.option(
+    "--preview",
+    is_flag=True,
+    help="Write a PNG beside each frame, as a display shows it, by $OCIO's config or"
+    " OpenColorIO's built-in one.",
+)
+@click.option("--display", metavar="NAME", help="Of previews; by default the config's first.")
+@click.option(
+    "--view",
+    "display_transform",
+    metavar="NAME",
+    help="Of previews; by default the display's first.",
+)
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Say what would change and be traced in each frame, and where it would go; trace and"
+    " write nothing.",
+)
+@click.option(
+    "--log-file",
+    type=click.Path(path_type=Path),
+    help="Add all that is said to the end of this file, each line with its time.",
+)
 @click.option("--list-cameras", is_flag=True, help="Print the stage's cameras and exit.")
 @verbosity_options
 def render(
@@ -62,15 +92,26 @@ def render(
     stats: Path | None,
     strict: bool,
     skip_existing: bool,
+    make_output_path: bool,
+    preview: bool,
+    display: str | None,
+    display_transform: str | None,
+    dry_run: bool,
+    log_file: Path | None,
     list_cameras: bool,
     quiet: bool,
 ) -> None:
     """Render a USD shot into a sequence of EXR files.
 
     What is not given here the stage's render settings say: every product of theirs is rendered,
-    with its camera, resolution, vars and name. What is given here wins over them.
+    with its camera, resolution, vars and name. Command-line options win: what is given here holds
+    whatever render settings, products and passes say.
     """
     from irt_usd import stage
+    from irt_usd.cli.dry_run import dry_run as run_dry
+    from irt_usd.cli.log import LoggedProgress, open_log, say, say_notices
+    from irt_usd.errors import InputError
+    from irt_usd.images.preview import display_view
     from irt_usd.report import Report
     from irt_usd.shot.frames import count_frames, format_frames, parse_frames
     from irt_usd.shot.output import output_paths, parse_pattern, prepare_output
@@ -79,7 +120,10 @@ def render(
     from irt_usd.shot.render import TABLE_HEADER, OutputOptions, render_shot
     from irt_usd.shot.session import open_shot, opening
     from irt_usd.shot.settings import check_film_size
+    from irt_usd.shot.writer import preview_path
 
+    if log_file is not None and not dry_run:
+        open_log(log_file)
     if list_cameras:
         cameras = stage.list_cameras(stage.open_stage(options.stage, opening(options)))
         for path in cameras:
@@ -87,6 +131,8 @@ def render(
         if not cameras:
             click.echo(f"irt: {options.stage}: no camera", err=True)
         return
+    if (display is not None or display_transform is not None) and not preview:
+        raise InputError("--display and --view are of previews; add --preview")
     check_isa(settings.isa)
     use_threads(settings.threads)
     if output is not None:
@@ -102,26 +148,35 @@ def render(
         for frame, files in zip(shot.frames, paths, strict=True)
         if not (skip_existing and all(map(_exists, files)))
     ]
-    if not quiet:
-        click.echo(_headline(shot, format_frames(shot.frames)))
-        if len(wanted) < len(shot.frames):
-            count = len(shot.frames) - len(wanted)
-            exist = "exists already and is" if count == 1 else "exist already and are"
-            click.echo(f"{count_frames(count)} {exist} skipped")
+    shown = (
+        display_view(shot.reader.colors.rendering, display, display_transform) if preview else None
+    )
+    say(_headline(shot, format_frames(shot.frames)), quiet)
+    if len(wanted) < len(shot.frames):
+        count = len(shot.frames) - len(wanted)
+        exist = "exists already and is" if count == 1 else "exist already and are"
+        say(f"{count_frames(count)} {exist} skipped", quiet)
+    if dry_run:
+        say_notices(shot.report.take_new())
+        run_dry(shot, wanted, history)
+        return
     if not wanted:
         return
-    note = click.echo if is_verbose() and not quiet else lambda _: None
+    note = say if is_verbose() and not quiet else lambda _: None
     kept = shot.layer_files
     files = [file for _, files in wanted for file in files]
-    prepare_output(files, "--output", note, kept)
-    if stats is not None:
-        every = [file for files in paths for file in files]
-        prepare_output([stats], "--stats", note, [*kept, *every])
-    out = OutputOptions([files for _, files in wanted], pixel_type, history, stats)
-    with shot_progress(len(wanted) * len(shot.views), TABLE_HEADER, quiet) as progress:
+    if shown is not None:
+        files += [preview_path(file) for file in files]
+    prepare_output(files, "--output", note, kept, make_output_path)
+    for option, beside in (("--stats", stats), ("--log-file", log_file)):
+        if beside is not None:
+            every = [file for files in paths for file in files]
+            prepare_output([beside], option, note, [*kept, *every], make_output_path)
+    out = OutputOptions([files for _, files in wanted], pixel_type, history, stats, shown)
+    bar = shot_progress(len(wanted) * len(shot.views), TABLE_HEADER, quiet)
+    with LoggedProgress(bar, TABLE_HEADER) as progress:
         render_shot(shot, [frame for frame, _ in wanted], settings, out, progress)
-    if not quiet:
-        click.echo(f"done: {count_frames(len(wanted))} in {out.paths[0][0].parent}")
+    say(f"done: {count_frames(len(wanted))} in {out.paths[0][0].parent}", quiet)
 
 
 def _exists(path: Path) -> bool:

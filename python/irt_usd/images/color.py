@@ -205,6 +205,40 @@ def _processor(source: tuple[Any, str], target: tuple[Any, str]) -> Any:
     return found.getOptimizedCPUProcessor(depth, depth, ocio.OPTIMIZATION_LOSSLESS)
 
 
+def display_config() -> tuple[Any, str]:
+    """The config whose displays are offered, and what to call it. Raises InputError on $OCIO."""
+    config = _user_config()
+    if config is not None:
+        return config, f"OCIO={os.environ['OCIO']}"
+    return _builtin_config(), BUILTIN_CONFIG
+
+
+def display_processor(rendering: str, display: str, view: str) -> Any:
+    """From the space `rendering` to a display that display_config has; single precision.
+
+    Raises InputError where OpenColorIO finds no way.
+    """
+    import PyOpenColorIO as ocio  # noqa: N813
+
+    config, _ = display_config()
+    source = _lookup(rendering)
+    try:
+        if source is None or source[0] is config:
+            name = source[1] if source is not None else rendering
+            transform = ocio.DisplayViewTransform(src=name, display=display, view=view)
+            found = config.getProcessor(transform)
+        else:
+            found = ocio.Config.GetProcessorFromConfigs(
+                *source, config, display, view, ocio.TRANSFORM_DIR_FORWARD
+            )
+        return found.getDefaultCPUProcessor()
+    except (ocio.Exception, ocio.ExceptionMissingFile) as error:
+        raise InputError(
+            f"OpenColorIO cannot lead {rendering} to {display}, {view}: {error}; choose others with"
+            " --display and --view, or mend the config"
+        ) from None
+
+
 def _matrix_of(processor: Any) -> NDArray[np.float64] | None:
     """The processor as a matrix for columns; None if it is none."""
     matrix = np.array([processor.applyRGB(row) for row in np.eye(3).tolist()], np.float64).T

@@ -5,15 +5,14 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 from numpy.typing import NDArray
 
-from irt_usd.errors import InputError, MachineError
-from irt_usd.images.atomic import atomic_file
+from irt_usd.errors import InputError
 from irt_usd.images.exr import read_beauty, read_frame_number, read_retraced
+from irt_usd.images.png import write_png
 
 _GAP = 4
 _LABEL_HEIGHT = 16
@@ -73,7 +72,7 @@ def write_contact_sheet(
         top = _GAP + sum(row_heights[:row]) + _GAP * row
         left = _GAP + column * (width + _GAP)
         sheet[top : top + tile.shape[0], left : left + width] = tile
-    _write_png(path, sheet)
+    write_png(path, sheet, {"oiio:ColorSpace": "srgb_rec709_scene"})
 
 
 def display_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -137,16 +136,3 @@ def _draw(label: NDArray[np.float32], text: str) -> None:
             return
         label[top : top + mask.shape[0], left : left + mask.shape[1]][mask] = _INK
         left += mask.shape[1] + _GLYPH_SCALE
-
-
-def _write_png(path: Path, pixels: NDArray[np.float32]) -> None:
-    image: NDArray[Any] = np.rint(pixels * 255.0).astype(np.uint8)
-    spec = oiio.ImageSpec(image.shape[1], image.shape[0], 3, oiio.UINT8)
-    spec["oiio:ColorSpace"] = "srgb_rec709_scene"
-    with atomic_file(path) as temporary:
-        output = oiio.ImageOutput.create("png")
-        if output is None:
-            raise MachineError(f"{path}: OpenImageIO cannot write PNG: {oiio.geterror().strip()}")
-        written = output.open(str(temporary), spec) and output.write_image(image)
-        if not (output.close() and written):
-            raise MachineError(f"{path}: cannot be written: {output.geterror().strip()}")

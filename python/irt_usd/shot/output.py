@@ -119,11 +119,12 @@ def prepare_output(
     option: str,
     note: Callable[[str], None],
     kept: Sequence[Path] = (),
+    make_folders: bool = True,
 ) -> None:
-    """Creates the files' folders and proves that files can be written there, leaving none.
+    """Proves that files can be written in the files' folders, leaving none there.
 
-    `note` is told of each folder created; `kept` are files that must not be written over. Raises
-    InputError naming what stands in the way.
+    Folders that are not there are created, unless `make_folders` is false; `note` is told of each.
+    `kept` are files that must not be written over. Raises InputError naming what stands in the way.
     """
     for path in paths:
         _refuse_other_than_file(path, option)
@@ -133,6 +134,11 @@ def prepare_output(
     for folder in dict.fromkeys(followed(path).parent for path in paths):
         try:
             if not folder.exists():
+                if not make_folders:
+                    raise InputError(
+                        f"{option} {paths[0]}: there is no folder {folder}; create it, or give"
+                        " --make-output-path"
+                    )
                 folder.mkdir(parents=True, exist_ok=True)
                 note(f"created {folder}")
             with tempfile.NamedTemporaryFile(dir=folder, prefix=".irt-"):

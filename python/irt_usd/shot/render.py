@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from irt_usd.images.exr import Film, PixelType
+from irt_usd.images.preview import DisplayView
 from irt_usd.report import Notice, Report
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.metadata import frame_metadata, shot_metadata
@@ -29,6 +30,8 @@ class OutputOptions:
     pixel_type: PixelType = "half"
     history: History = "full"
     stats: Path | None = None
+    preview: DisplayView | None = None
+    """How a PNG beside each frame shows it; None: there are none."""
 
 
 def render_shot(
@@ -65,7 +68,8 @@ def render_shot(
                     camera = traced.snapshot.cameras[view]
                     metadata = common[view] | frame_metadata(frame, camera)
                     stats = _frame_stats(shot, traced, view, path, output.history)
-                    job = FrameJob(path, films[view], metadata, output.pixel_type, stats)
+                    film, kind = films[view], output.pixel_type
+                    job = FrameJob(path, film, metadata, kind, stats, output.preview)
                     writer.submit(job)
                 written.take(writer)
         finally:

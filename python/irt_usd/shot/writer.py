@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType, write_exr
+from irt_usd.images.png import write_png
+from irt_usd.images.preview import DisplayView
 from irt_usd.shot.stats import FrameStats
 
 _QUEUE_LENGTH = 2
@@ -24,6 +26,8 @@ class FrameJob:
     metadata: Mapping[str, MetadataValue]
     pixel_type: PixelType
     stats: FrameStats
+    preview: DisplayView | None = None
+    """How a PNG beside the frame shows it; None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,8 @@ class FrameWriter:
             start = time.perf_counter()
             try:
                 faults = write_exr(job.path, job.film, job.metadata, job.pixel_type)
+                if job.preview is not None:
+                    _write_preview(job.path, job.film, job.preview)
             except BaseException as failure:  # raised again in the caller's thread
                 self._failure = failure
                 continue
@@ -85,3 +91,13 @@ class FrameWriter:
             job.stats.seconds["total"] += seconds
             job.stats.non_finite_pixels = faults.non_finite
             self._written.put(WrittenFrame(job, faults))
+
+
+def preview_path(path: Path) -> Path:
+    """The preview of the frame `path`."""
+    return path.with_suffix(".png")
+
+
+def _write_preview(path: Path, film: Film, shown: DisplayView) -> None:
+    metadata = {"irt:display": shown.display, "irt:view": shown.view}
+    write_png(preview_path(path), shown.shown(film.beauty), metadata)
