@@ -31,7 +31,7 @@ $(VENV)/pyvenv.cfg: | system-packages
 
 $(VENV)/.dependencies: $(VENV)/pyvenv.cfg pyproject.toml .ci/constraints.txt
 	@echo "Installing Python packages into $(VENV)"
-	@$(PIP) --requirement <($(VENV)/bin/python .ci/tools/python-dependencies dev)
+	@$(PIP) --requirement <($(VENV)/bin/python .ci/tools/python-dependencies usd dev)
 	@touch $@
 
 # Directories are listed too: their time changes when a file comes or goes.
@@ -51,7 +51,15 @@ $(BUILD)/.tests-built: $(VENV)/.built $(shell find tests/cpp)
 test-cpp: $(BUILD)/.tests-built
 	@ctest --test-dir $(BUILD) --output-on-failure --progress
 
-test-python: setup
+# An OpenUSD of another version, which stands in for a studio's.
+STUDIO_USD := build/studio-usd
+$(STUDIO_USD)/.installed: $(VENV)/.dependencies
+	@echo "Installing another OpenUSD into $(STUDIO_USD), to test with"
+	@$(VENV)/bin/pip --disable-pip-version-check install --quiet --no-deps --upgrade \
+	    --target $(STUDIO_USD) usd-core==24.3
+	@touch $@
+
+test-python: setup $(STUDIO_USD)/.installed
 	@$(VENV)/bin/pytest
 	@$(VENV)/bin/pytest tests/extremes
 

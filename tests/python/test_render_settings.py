@@ -251,13 +251,71 @@ def test_motion_blur_that_is_not_wanted_is_not_missed(shot: MakeShot) -> None:
         ("uniform float4 dataWindowNDC = (1, 0, 0, 1)", "expected left, bottom, right, top"),
         ("uniform float4 dataWindowNDC = (0.5001, 0, 0.5002, 1)", "holds no pixel's centre"),
         ("rel camera = </Nowhere>", "no camera </Nowhere>"),
+        ("rel camera = </Ball>", "the target of /S.camera"),
+        ("uniform int2 resolution = (0, 10)", "an image of 0x10 pixels"),
     ],
 )
 def test_settings_that_show_nothing_are_refused(tmp_path: Path, body: str, what: str) -> None:
     path = stage(tmp_path, CAMERA, SCENE, LAMP, settings(body))
     message = failure("render", path, "-o", str(tmp_path / "f.####.exr"))
     assert what in message
-    assert "/S" in message
+    assert "/S" in message or "resolution" in message
+
+
+def test_a_var_of_no_type_is_written_all_the_same(shot: MakeShot) -> None:
+    body = settings("rel products = </Render/A>", product("A", "rel orderedVars = </Render/z>"))
+    odd = 'def RenderVar "z"\n{\nstring sourceName = "depth"\nuniform token dataType = "film"\n}\n'
+    body = body.replace('def RenderProduct "A"', odd + 'def RenderProduct "A"')
+    made = shot(body, metadata='renderSettingsPrimPath = "/S"')
+    (notice,) = made.notices("skipped")
+    assert "dataType is film; expected a type such as color3f" in notice
+    assert [v.source for v in made.reader.views[0].product.variables] == ["depth"]
+
+
+def test_a_camera_given_stands_for_one_that_is_not_there(tmp_path: Path) -> None:
+    path = stage(tmp_path, CAMERA, SCENE, LAMP, settings("rel camera = </Nowhere>"))
+    given = ("-c", "Cam", "--dry-run", "-f", "1")
+    assert irt("render", path, *given).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("body", "what"),
+    [
+        ('uniform token[] includedPurposes = ["render", "most"]', "includedPurposes holds 'most'"),
+        ('uniform token[] materialBindingPurposes = ["best"]', "Purposes holds 'best'"),
+        ("rel camera = [</cam>, </other>]", "more than one camera, the first is rendered"),
+        ("rel products = </cam>", "a render product that does not exist: </cam>"),
+    ],
+)
+def test_settings_that_are_partly_read(shot: MakeShot, body: str, what: str) -> None:
+    cameras = 'def Camera "cam"\n{\n}\ndef Camera "other"\n{\n}\n'
+    body = body if "camera" in body else f"rel camera = </cam>\n{body}"
+    made = shot(cameras + settings(body), metadata='renderSettingsPrimPath = "/S"')
+    made.read()
+    (notice,) = made.notices("skipped")
+    assert what in notice
+    assert "/S." in notice
+
+
+@pytest.mark.parametrize(
+    ("lines", "what"),
+    [
+        ('string sourceName = "depth"\nuniform token sourceType = "film"', "sourceType is film"),
+        ('string sourceName = "normal"\nstring driver:parameters:aov:name = "z"', "layer z"),
+    ],
+)
+def test_vars_that_are_left_out(shot: MakeShot, lines: str, what: str) -> None:
+    body = settings(
+        "rel products = </Render/A>",
+        product("A", "rel orderedVars = [</Render/z>, </Render/x>]"),
+        var("z", "depth"),
+        f'def RenderVar "x"\n{{\n{lines}\n}}\n',
+    )
+    made = shot(body, metadata='renderSettingsPrimPath = "/S"')
+    (notice,) = made.notices("skipped")
+    assert what in notice
+    assert "/Render/x" in notice
+    assert [v.path for v in made.reader.views[0].product.variables] == ["/Render/z"]
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from shots.features import looks, make_features
 from shots.features.images import TEXTURES
 from shots.open_chess import make_open_chess
 from shots.paper import make_paper
+from shots.pipeline import make_pipeline
 
 SHOTS = Path(make_demo.__file__).parents[1]
 ASSETS = SHOTS.parents[1] / "shared/assets"
@@ -33,6 +34,7 @@ ASSETS = SHOTS.parents[1] / "shared/assets"
         ("paper/chess_3_lights.usda", partial(make_paper.chess, lights=3)),
         ("paper/spheres.usda", make_paper.spheres),
         ("open_chess/open_chess.usda", make_open_chess.build),
+        ("pipeline/pipeline.usda", make_pipeline.build),
         *[(f"features/{n}", make) for n, make in make_features.LAYERS.items()],
     ],
 )

@@ -18,6 +18,11 @@ from irt_usd.interrupt import Interrupted, signals_noted
 VERBOSE = "irt.verbose"
 """Key of the root context's `meta`: whether a traceback is wanted."""
 
+_NO_USD = (
+    "this Python has no OpenUSD (no module pxr): install irt-usd[usd], or run irt with a Python"
+    " that has one, such as Houdini's hython or Maya's mayapy"
+)
+
 STATUS_DIFFERENT = 4
 """A verification found a difference."""
 
@@ -61,6 +66,9 @@ class IrtGroup(click.Group):
         except Exception as error:
             from irt_usd.cli.log import log
 
+            if isinstance(error, ModuleNotFoundError) and error.name == "pxr":
+                _say(f"error: {_NO_USD}")
+                ctx.exit(1)
             if ctx.find_root().meta.get(VERBOSE):
                 traceback.print_exc()
             log(traceback.format_exc())

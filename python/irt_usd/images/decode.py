@@ -108,11 +108,14 @@ def _opened(file: str) -> Iterator[Any]:
 
 @contextmanager
 def _as_file(file: str) -> Iterator[str]:
-    """A path that OpenImageIO can open: of what is in a package, a temporary copy."""
-    if not Ar.IsPackageRelativePath(file):
-        path = Path(file)
-        if not path.exists():
-            raise DecodeError("no such file", missing=True)
+    """A path that OpenImageIO can open.
+
+    Of what is in a package, or is no file but something that the asset resolver opens, a temporary
+    copy.
+    """
+    packaged = Ar.IsPackageRelativePath(file)
+    path = Path(file)
+    if not packaged and path.exists():
         if path.is_dir():
             raise DecodeError("a folder, not an image", missing=True)
         if not os.access(path, os.R_OK):
@@ -125,10 +128,9 @@ def _as_file(file: str) -> Iterator[str]:
     except Tf.ErrorException as error:
         raise DecodeError(f"the package cannot be read: {error}; write it again") from None
     if data is None:
-        raise DecodeError(
-            "not in the package, or compressed there, which USD forbids", missing=True
-        )
-    suffix = Path(Ar.SplitPackageRelativePathInner(file)[1]).suffix
+        lost = "not in the package, or compressed there, which USD forbids"
+        raise DecodeError(lost if packaged else "no such file", missing=True)
+    suffix = Path(Ar.SplitPackageRelativePathInner(file)[1] if packaged else file).suffix
     with tempfile.NamedTemporaryFile(suffix=suffix) as copy:
         copy.write(data)
         copy.flush()

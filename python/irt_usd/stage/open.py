@@ -137,8 +137,13 @@ def _prim_path(text: str) -> Sdf.Path:
 
 
 def _check_file(path: str) -> None:
-    """Raises InputError unless `path` is a file that USD could read, whatever is in it."""
+    """Raises InputError unless `path` is a file that USD could read, whatever is in it.
+
+    Or an asset that the site's resolver finds.
+    """
     file = Path(path)
+    if not file.exists() and Ar.GetResolver().Resolve(path):
+        return  # found elsewhere, or no file at all: what it is the resolver knows
     if not file.exists():
         raise InputError(f"{path}: no such file; give a USD stage ({_EXTENSIONS})")
     if file.is_dir():

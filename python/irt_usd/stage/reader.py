@@ -121,7 +121,8 @@ class ShotReader:
         self.render_pass = read_pass(self._stage, options.render_pass, self._file, self._report)
         """What the shot's render pass makes of prims."""
         wanted = options.settings or self.render_pass.settings
-        settings = read_settings(self._stage, wanted, self._file, self._report)
+        given = options.camera is not None or options.views is not None
+        settings = read_settings(self._stage, wanted, self._file, self._report, given)
         self.views = options.views or tuple(self._plan_views(settings, options, frames[0]))
         """The shot's images, one at least."""
         self._cameras = [

@@ -11,8 +11,10 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdRender
+from pxr import Sdf, Usd, UsdGeom, UsdRender
 
+from irt_usd.aovs import BEAUTY_SOURCES
+from irt_usd.choices import PURPOSES as ALL_PURPOSES
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
@@ -23,6 +25,10 @@ PURPOSES = ("default", "render")
 
 BINDING_PURPOSES = ("full", "")
 """Purposes of material bindings, the first being preferred, as UsdRenderSettings has it."""
+
+_KNOWN_BINDING_PURPOSES = ("full", "preview", "")
+
+_SOURCE_TYPES = ("raw", "primvar", "lpe", "intrinsic")
 
 _BASE = (
     "resolution",
@@ -91,8 +97,16 @@ def list_settings(stage: Usd.Stage) -> list[str]:
     return [str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdRender.Settings)]
 
 
-def read_settings(stage: Usd.Stage, wanted: str | None, source: str, report: Report) -> Settings:
+def read_settings(
+    stage: Usd.Stage,
+    wanted: str | None,
+    source: str,
+    report: Report,
+    camera_given: bool = False,
+) -> Settings:
     """The render settings `wanted` (a path or a bare name), or else those that the stage names.
+
+    `camera_given`: theirs is overridden, whatever it is.
 
     Raises InputError where there are none of the name `wanted`, or values show nothing.
     """
@@ -112,11 +126,19 @@ def read_settings(stage: Usd.Stage, wanted: str | None, source: str, report: Rep
             what = "no" if not named else "several"
             raise InputError(f"{source}: {what} RenderSettings '{wanted}'; {listed}")
         prim = stage.GetPrimAtPath(named[0])
-    return _Reader(stage, prim, source, report).read()
+    return _Reader(stage, prim, source, report, camera_given).read()
 
 
 class _Reader:
-    def __init__(self, stage: Usd.Stage, prim: Usd.Prim, source: str, report: Report) -> None:
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        prim: Usd.Prim,
+        source: str,
+        report: Report,
+        camera_given: bool,
+    ) -> None:
+        self._camera_given = camera_given
         self._stage = stage
         self._prim = prim
         self._source = source
@@ -136,8 +158,9 @@ class _Reader:
         path = str(self._prim.GetPath())
         if not products:
             products = [self._product(None, values)]
-        purposes = _tokens(values["includedPurposes"])
-        binding = _tokens(values["materialBindingPurposes"]) or BINDING_PURPOSES
+        purposes = self._known(values, "includedPurposes", ALL_PURPOSES)
+        binding = self._known(values, "materialBindingPurposes", _KNOWN_BINDING_PURPOSES)
+        binding = binding or BINDING_PURPOSES
         return Settings(path, tuple(products), purposes, binding)
 
     def _product(self, prim: Usd.Prim | None, settings: dict[str, Any]) -> Product:
@@ -163,12 +186,7 @@ class _Reader:
             name = Usd.AttributeQuery(prim, "productName")
             variables = self._variables(prim)
         self._check(values, holder)
-        if cameras and not self._stage.GetPrimAtPath(cameras[0]):
-            place = where(holder["camera"], "camera", Usd.TimeCode.Default())
-            raise InputError(
-                f"{self._source}: no camera <{cameras[0]}>, which is the target of {place}; mend it"
-                " or give --camera"
-            )
+        self._check_camera(cameras, where(holder["camera"], "camera", Usd.TimeCode.Default()))
         shutter = values["disableMotionBlur"] or values["instantaneousShutter"]
         return Product(
             path=str(prim.GetPath()) if prim is not None else "",
@@ -182,6 +200,30 @@ class _Reader:
             variables=variables,
             name=name,
         )
+
+    def _check_camera(self, targets: list[Sdf.Path], place: str) -> None:
+        if not targets or self._camera_given:
+            return
+        prim = self._stage.GetPrimAtPath(targets[0])
+        if not prim or not prim.IsA(UsdGeom.Camera):
+            fault = f"is no Camera but a {prim.GetTypeName()}" if prim else "does not exist"
+            raise InputError(
+                f"{self._source}: no camera <{targets[0]}>: the target of {place} {fault}; mend it"
+                " or give --camera"
+            )
+        if len(targets) > 1:
+            self._report.skipped("more than one camera, the first is rendered", place)
+
+    def _known(self, values: dict[str, Any], name: str, known: Iterable[str]) -> tuple[str, ...]:
+        """The tokens of `name` that are among `known`; others are reported."""
+        found = _tokens(values[name])
+        for token in found:
+            if token not in known:
+                message = (
+                    f"{name} holds '{token}'; expected some of {', '.join(filter(None, known))}"
+                )
+                self._report.skipped(message, self._place(name))
+        return tuple(token for token in found if token in known)
 
     def _check(self, values: dict[str, Any], holder: dict[str, Usd.Prim]) -> None:
         def refuse(name: str, wanted: str) -> None:
@@ -198,7 +240,7 @@ class _Reader:
             refuse("dataWindowNDC", "left, bottom, right, top, in that order")
 
     def _variables(self, product: Usd.Prim) -> tuple[RenderVar, ...]:
-        found = []
+        found: list[RenderVar] = []
         for target in self._targets(product, "orderedVars"):
             prim = self._stage.GetPrimAtPath(target)
             if not prim or not prim.IsA(UsdRender.Var):
@@ -208,16 +250,38 @@ class _Reader:
             values = self._values(prim, ("sourceName", "sourceType", "dataType"))
             layer = prim.GetAttribute("driver:parameters:aov:name")
             authored = layer.Get() if layer and layer.HasAuthoredValue() else None
-            found.append(
-                RenderVar(
-                    str(target),
-                    str(values["sourceName"] or prim.GetName()),
-                    str(values["sourceType"]),
-                    str(values["dataType"]),
-                    str(authored or prim.GetName()),
+            if values["sourceType"] not in _SOURCE_TYPES:
+                message = (
+                    f"sourceType is {values['sourceType']}; expected {', '.join(_SOURCE_TYPES)}"
                 )
+                place = where(prim, "sourceType", Usd.TimeCode.Default())
+                self._report.skipped(f"{message}: the var is left out", place)
+                continue
+            if not Sdf.ValueTypeNames.Find(str(values["dataType"])):
+                message = f"dataType is {values['dataType']}; expected a type such as color3f"
+                place = where(prim, "dataType", Usd.TimeCode.Default())
+                self._report.skipped(f"{message}: the AOV's own is written", place)
+            variable = RenderVar(
+                str(target),
+                str(values["sourceName"] or prim.GetName()),
+                str(values["sourceType"]),
+                str(values["dataType"]),
+                str(authored or prim.GetName()),
             )
+            if self._is_new_layer(variable, found):
+                found.append(variable)
         return tuple(found)
+
+    def _is_new_layer(self, variable: RenderVar, others: list[RenderVar]) -> bool:
+        """Whether no other var of the product has the layer; reported, if one has."""
+        if variable.source in BEAUTY_SOURCES:
+            return True
+        for other in others:
+            if other.layer == variable.layer and other.source not in BEAUTY_SOURCES:
+                message = f"a render var whose layer {variable.layer} another has"
+                self._report.skipped(message, f"{variable.path}, after {other.path}")
+                return False
+        return True
 
     def _values(self, prim: Usd.Prim, names: Iterable[str]) -> dict[str, Any]:
         attributes = Attributes(prim, names, self._report)
