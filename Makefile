@@ -56,7 +56,7 @@ STUDIO_USD := build/studio-usd
 $(STUDIO_USD)/.installed: $(VENV)/.dependencies
 	@echo "Installing another OpenUSD into $(STUDIO_USD), to test with"
 	@$(VENV)/bin/pip --disable-pip-version-check install --quiet --no-deps --upgrade \
-	    --target $(STUDIO_USD) usd-core==24.3
+	    --target $(STUDIO_USD) usd-core==24.11
 	@touch $@
 
 test-python: setup $(STUDIO_USD)/.installed

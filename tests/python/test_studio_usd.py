@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cli_support import SHOT, SIZE, command, environment, write_stage
+from cli_support import SHOT, SIZE, command, environment, failure, write_stage
 from irt_usd.images.exr import read_beauty
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def test_a_studios_own_pxr_comes_first(tmp_path: Path, stage: str | None) -> Non
         start = int(Usd.Stage.Open(shot).GetStartTimeCode())
         given = (*given, "-f", f"{start}:{start + 1}")
     versions = run("--version", cwd=tmp_path, PYTHONPATH=str(OTHER))
-    assert "OpenUSD 24.03" in versions.stdout
+    assert "OpenUSD 24.11" in versions.stdout
     for name, variables in (("wheel", {}), ("other", {"PYTHONPATH": str(OTHER)})):
         done = run("render", *given, "-o", f"{name}/f.####.exr", cwd=tmp_path, **variables)
         assert done.returncode == 0, done.stderr
@@ -62,6 +62,15 @@ def test_stages_and_textures_are_where_the_resolver_finds_them(tmp_path: Path) -
     lost = run("render", "resolved.usda", cwd=tmp_path)
     assert lost.returncode == 2
     assert "no such file" in lost.stderr
+
+
+def test_an_openusd_too_old_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pxr import Usd
+
+    monkeypatch.setattr(Usd, "GetVersion", lambda: (0, 23, 8))
+    said = failure("render", write_stage(tmp_path), status=1)
+    assert "OpenUSD 23.08" in said
+    assert "24.11 or newer" in said
 
 
 def test_without_any_pxr_it_says_what_to_do(tmp_path: Path) -> None:

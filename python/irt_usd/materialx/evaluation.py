@@ -9,7 +9,7 @@ from irt_usd.materialx.expressions import Expressions, Value, constant
 from irt_usd.materialx.network import Link, Port, Step
 from irt_usd.materialx.operations import outputs
 from irt_usd.report import Report
-from irt_usd.stage.color import StageColors
+from irt_usd.stage.color import StageColors, color_space_of
 from irt_usd.stage.graph import TextureReference, Wrap
 
 _WRAPS: dict[str, Wrap] = {
@@ -120,7 +120,7 @@ def texture_reference(step: Step, file: str) -> TextureReference:
     attribute = None if isinstance(port, Link) else port.attribute
     space = "raw"
     if step.type in _COLORS and attribute is not None:
-        space = str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, None) or "raw")
+        space = color_space_of(attribute) or "raw"
     return TextureReference(file, space, UsdShade.UdimUtils.IsUdimIdentifier(file))
 
 

@@ -207,12 +207,20 @@ class CameraSource:
         return (near, far)
 
     def _exposure_scale(self, time: Usd.TimeCode) -> float:
-        scale = UsdGeom.Camera(self._prim).ComputeLinearExposureScale(time)
+        camera = UsdGeom.Camera(self._prim)
+        if hasattr(camera, "ComputeLinearExposureScale"):
+            scale = camera.ComputeLinearExposureScale(time)
+        else:  # before OpenUSD 25.02 exposure was all
+            scale = 2.0 ** self._exposure_value()
         if isfinite(scale) and scale >= 0:
             return float(scale)
         message = f"the camera's exposure multiplies by {scale}; expected a finite number from 0"
         self._report.skipped(f"{message}; none is rendered", where(self._prim, "exposure", time))
         return 1.0
+
+    def _exposure_value(self) -> float:
+        value = self._exposure.values["exposure"]
+        return value if isinstance(value, float) else 0.0
 
     def _number(self, name: str) -> float:
         value = self._attributes.values[name]

@@ -1,11 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """In which colour space the stage's colours are, and in which it is rendered."""
 
+from typing import Any
+
 from pxr import Usd, UsdRender
 
 from irt_usd.images.color import LINEAR_REC709, ColorSpaces, Conversion
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
+
+
+def color_space_of(attribute: Usd.Attribute, cache: Any = None) -> str:
+    """The colour space of an attribute, its prim or an ancestor; empty where none says.
+
+    Before OpenUSD 25.02 it is the attribute's own.
+    """
+    if hasattr(Usd, "ColorSpaceAPI"):
+        return str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, cache) or "")
+    return str(attribute.GetColorSpace())
 
 
 class StageColors:
@@ -17,7 +29,7 @@ class StageColors:
         Raises InputError where the rendering space is not known, or is not linear.
         """
         self._report = report
-        self._cache = Usd.ColorSpaceHashCache()
+        self._cache = Usd.ColorSpaceHashCache() if hasattr(Usd, "ColorSpaceAPI") else None
         settings = (
             UsdRender.Settings.Get(stage, settings_path)
             if settings_path
@@ -44,7 +56,7 @@ class StageColors:
         """
         if attribute is None:
             return None
-        name = str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, self._cache) or "")
+        name = color_space_of(attribute, self._cache)
         if not name:
             return self.default
         found = self.spaces.conversion(name)

@@ -10,7 +10,7 @@ from pathlib import Path
 from pxr import Ar, Pcp, Sdf, Tf, Usd, UsdUtils
 
 from irt_usd.choices import MissingAsset
-from irt_usd.errors import InputError
+from irt_usd.errors import InputError, MachineError
 from irt_usd.materialx.compose import open_with_materialx
 from irt_usd.report import Report
 from irt_usd.stage.diagnostics import (
@@ -21,6 +21,9 @@ from irt_usd.stage.diagnostics import (
 )
 from irt_usd.stage.missing import missing_text, report_missing
 from irt_usd.stage.packages import package_fault
+
+_OLDEST = (24, 11)
+"""The first OpenUSD that serves."""
 
 _EXTENSIONS = ".usd, .usda, .usdc or .usdz"
 
@@ -71,6 +74,7 @@ def open_stage(
     error, a mask that names no prim; if missing assets are refused, a missing sublayer, reference,
     payload or value clip.
     """
+    _check_version()
     options = options or OpenOptions()
     report = report or Report()
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
@@ -85,6 +89,17 @@ def open_stage(
             raise InputError(f"--mask {prim_path}: {path} has no such prim; give paths that it has")
     deal_with_lost_clips(said, stage, path, options.missing_asset, report)
     return stage
+
+
+def _check_version() -> None:
+    """Raises MachineError on an OpenUSD that lacks what reading a stage needs."""
+    found = tuple(Usd.GetVersion())[1:]
+    if found < _OLDEST:
+        file, (year, month) = getattr(Usd, "__file__", "pxr"), _OLDEST
+        raise MachineError(
+            f"OpenUSD {found[0]}.{found[1]:02d} ({file}): irt needs {year}.{month:02d} or newer;"
+            " put a newer pxr first on PYTHONPATH, or install irt-usd[usd]"
+        )
 
 
 def _compose(path: str, options: OpenOptions) -> Usd.Stage:
