@@ -179,7 +179,9 @@ def test_lights_and_materials_of_a_pass(shot: MakeShot) -> None:
     assert list(lights) == ["/Sky"]
     assert not lights["/Sky"].camera_visible
     dark = SCENE + LAMP + render_pass("rel collection:prune:includes = </Lamp>")
-    assert not shot(dark, options=ReadOptions(render_pass="P")).reader.camera_light
+    made = shot(dark, options=ReadOptions(render_pass="P"), name="dark.usda")
+    assert not made.read().lights
+    assert not made.reader.camera_light
 
 
 def test_a_pass_renders_with_its_source(shot: MakeShot) -> None:

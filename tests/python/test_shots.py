@@ -139,3 +139,35 @@ def test_open_chess_changes_when_it_is_keyed_and_only_then() -> None:
     stage = str(SHOTS / "open_chess/open_chess.usda")
     expected = keyed(m.PAWN_TAKES, m.BISHOP_LEAVES, m.KEY_WARMS, m.VARNISH_DULLS)
     assert changing_frames(stage, "--asset-path", str(ASSETS)) == expected
+
+
+@pytest.mark.parametrize("name", ["white", "black", "board"])
+def test_pipeline_renders_each_pass_of_each_product_exactly(name: str) -> None:
+    path = str(SHOTS / "pipeline/pipeline.usda")
+    result = irt("verify", path, "--pass", name, "--size", "32x18", "-f", "1005:1006")
+    assert result.exit_code == 0, result.output
+
+
+def test_pipeline_writes_its_products_by_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = irt("render", str(SHOTS / "pipeline/pipeline.usda"), "--complexity", "low")
+    assert result.exit_code == 0, result.output
+    names = [
+        name
+        for n in range(1004, 1009)
+        for name in (f"beauty.{n}.exr", f"ids.{n}.exr", f"witness.take_{n}.exr")
+    ]
+    assert sorted(file.name for file in (tmp_path / "out/pipeline").iterdir()) == sorted(names)
+    windows = {}
+    for name in names[:3]:
+        image = oiio.ImageInput.open(str(tmp_path / "out/pipeline" / name))
+        assert image is not None
+        spec = image.spec()
+        windows[name] = (spec.x, spec.y, spec.width, spec.height, spec.full_width, spec.full_height)
+    assert list(windows.values()) == [
+        (0, 0, 640, 360, 640, 360),
+        (-32, -18, 384, 216, 320, 180),
+        (0, 0, 256, 256, 256, 256),
+    ]

@@ -20,6 +20,7 @@ from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
 from irt_usd.stage.instances import InstancerSource, PrototypeSource
 from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
+from irt_usd.stage.lights import KINDS as LIGHT_KINDS
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
@@ -38,7 +39,7 @@ from irt_usd.stage.snapshot import (
     Vector,
 )
 from irt_usd.stage.subsets import material_subsets
-from irt_usd.stage.survey import survey, survey_prototype
+from irt_usd.stage.survey import stage_prims, survey, survey_prototype
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.views import View, ViewOptions, plan_views
 
@@ -156,7 +157,7 @@ class ShotReader:
         for light in self._lights:
             light.camera_visible, _ = self.render_pass.role(light.node.path)
         self._is_lit = bool(found.lights)
-        self.camera_light = options.camera_light and not found.lights
+        self.camera_light = options.camera_light and not (found.lights or self._pruned_lights())
         """Whether a light at the camera stands in: the stage has no light of a kind rendered."""
         if self.camera_light:
             self._report.mentioned("no lights that irt renders: a light at the camera instead")
@@ -182,6 +183,12 @@ class ShotReader:
         self.camera_moves = [self._find_camera_moves(v, frames) for v in range(len(self.views))]
         """By view the frames, of those given, whose camera differs from that of the frame
         before."""
+
+    def _pruned_lights(self) -> bool:
+        """Whether the stage has lights, though the render pass may have pruned them all."""
+        return bool(self.render_pass.path) and any(
+            str(prim.GetTypeName()) in LIGHT_KINDS for prim in stage_prims(self._stage)
+        )
 
     def _plan_views(self, settings: Settings, options: ReadOptions, first: float) -> Sequence[View]:
         overriding = ViewOptions(
