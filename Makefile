@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # make setup | demo | test | check | format | bench | fuzz | mutants | ablation | voxel-walk |
-#     exact-hits | fingerprint | clean
+#     exact-hits | materialx-pictures | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -17,7 +17,7 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
-    mutants ablation voxel-walk exact-hits numerics sanitize fingerprint clean
+    mutants ablation voxel-walk exact-hits materialx-pictures numerics sanitize fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -158,6 +158,10 @@ voxel-walk: $(BUILD)/.tests-built
 
 exact-hits: $(BUILD)/.tests-built
 	@$(BUILD)/exact_hits
+
+## The pictures of docs/materialx.md, beside Mitsuba 3.
+materialx-pictures: setup
+	@$(VENV)/bin/python tests/python/materialx_pictures.py docs/images/materialx
 
 fingerprint: setup
 	@$(VENV)/bin/irt fingerprint

@@ -143,6 +143,9 @@ std::string numeric_fingerprint(const std::string& isa) {
         values.push_back(libm::log(i / 37.0));
         values.push_back(libm::sin(i / 652.0));
         values.push_back(libm::cos(i / 652.0));
+        values.push_back(libm::asin(i / 1024.0));
+        values.push_back(libm::acos(i / 1024.0));
+        values.push_back(libm::atan2(i / 37.0, 1.0));
     }
     XXH3_64bits_update(&state, values.data(), values.size() * sizeof(double));
 

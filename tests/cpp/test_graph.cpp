@@ -120,7 +120,7 @@ TEST(Operations, DerivativesAreThoseOfTheValues) {
          {Op::Transform2d, Op::Add,   Op::Subtract,  Op::Multiply,   Op::Divide,   Op::Min,
           Op::Max,         Op::Clamp, Op::Mix,       Op::Smoothstep, Op::Absolute, Op::Sqrt,
           Op::Sin,         Op::Cos,   Op::Exp,       Op::Log,        Op::Dot,      Op::Length,
-          Op::Normalize,   Op::Cross, Op::IfGreater, Op::Combine})
+          Op::Normalize,   Op::Cross, Op::IfGreater, Op::Combine,    Op::Atan2})
         for (int trial = 0; trial < 20; ++trial) {
             std::array<Value, 4> slots{}, moved{};
             for (std::size_t s = 0; s < 4; ++s)

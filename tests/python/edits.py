@@ -23,7 +23,7 @@ MORE = ("frustum", "round_cone", "points", "curves", "points", "curves")
 NAMES = ("/a", "/b", "/c", "/d", "/e")
 MANY = ("/cloud", "/lock", "/ring")
 MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
-PAPERS = ("/paper", "/tiles", "/lace", "/stained", "/screen")
+PAPERS = ("/paper", "/tiles", "/lace", "/stained", "/screen", "/marble", "/rim")
 LIGHTS = ("/key", "/fill")
 
 COORDINATES = (0.0, 1.0, -1.0, 0.5, -0.5, 2.0, -2.0, 1.0 / 3.0)
@@ -60,6 +60,12 @@ IMAGES = (
     ("noise", 4, 16, 2, "f2"),
     ("noise", 5, 3, 4, "f4"),
     ("bumps", 6, 8),
+    ("solid", "perlin_3d", "object", 3.0),
+    ("solid", "perlin_vector_3d", "world", 2.0),
+    ("solid", "cells_3d", "world", 4.0),
+    ("solid", "worley_3d", "object", 2.0),
+    ("solid", "worley_cells_2d", "object", 5.0),
+    ("view",),
 )
 WRAPS = ("black", "clamp", "repeat", "mirror")
 RETEXTURES: dict[str, Sequence[Any]] = {
@@ -115,7 +121,7 @@ def geometry(pick: Pick) -> tuple[Any, ...]:
     if kind == "blob":
         return kind, pick((1, 2, 0)), BOX
     if kind == "pair":
-        return kind, 0.5, pick(MATERIALS)
+        return kind, 0.5, pick((*MATERIALS, *PAPERS))
     if kind in ("sphere", "cube"):
         return kind, pick(SIZES)
     return kind, pick(SIZES), pick(SIZES)
@@ -183,14 +189,14 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
         "paint",
         pick(NAMES),
         tuple(pick((0, 1, 2)) for _ in range(6)),
-        (pick(MATERIALS), pick(MATERIALS)),
+        (pick(MATERIALS), pick((*MATERIALS, *PAPERS))),
     ),
     "role": lambda pick: (
         "role",
         pick((*NAMES, *MANY, "/floor", "/swarm", "/leaves")),
         (pick((True, False)), pick((False, True))),
     ),
-    "rebind": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(MATERIALS)),
+    "rebind": lambda pick: ("bind", pick((*NAMES, *MANY, "/floor")), pick(MATERIALS)),
     "material": lambda pick: ("material", pick(MATERIALS), material(pick)),
     "look": lambda pick: ("look", pick(MATERIALS), look(pick)),
     "texture": lambda pick: (
@@ -204,7 +210,7 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
         pick(PAPERS),
         {name: pick(RETEXTURES[name]) for name in (pick(tuple(RETEXTURES)),)},
     ),
-    "paper": lambda pick: ("bind", pick((*NAMES, "/floor")), pick(PAPERS)),
+    "paper": lambda pick: ("bind", pick((*NAMES, *MANY, "/floor")), pick(PAPERS)),
     "paper's look": lambda pick: ("look", pick(PAPERS), look(pick)),
     "light": lambda pick: ("light", pick(LIGHTS), light(pick)),
     "light off": lambda pick: ("dark", pick(LIGHTS)),

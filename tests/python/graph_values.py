@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import mx_noise
 from irt_usd.stage.graph import DEFAULTS, OTHER_DEFAULTS, Node, Surface
 
 _OPS: dict[str, Callable[..., Any]] = {
@@ -32,6 +33,9 @@ _OPS: dict[str, Callable[..., Any]] = {
     "cos": np.cos,
     "exp": np.exp,
     "log": np.log,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan2": np.arctan2,
     "dot": lambda a, b: np.full(4, a[:3] @ b[:3]),
     "length": lambda a: np.full(4, np.linalg.norm(a[:3])),
     "normalize": lambda a: np.append(a[:3] / np.linalg.norm(a[:3]), a[3]),
@@ -39,6 +43,16 @@ _OPS: dict[str, Callable[..., Any]] = {
     "if_greater": lambda a, b, then, other: np.where(a > b, then, other),
     "if_equal": lambda a, b, then, other: np.where(a == b, then, other),
     "combine": lambda *parts: np.array([part[0] for part in parts]),
+}
+
+
+WORLD = (10.0, 20.0, 30.0)
+"""Where an object's origin is; it is turned and scaled by nothing."""
+
+_NOISES: dict[str, Callable[..., Any]] = {
+    f"{name}_{width}d": getattr(mx_noise, name)
+    for name in ("perlin", "perlin_vector", "cells", "worley", "worley_cells")
+    for width in (2, 3)
 }
 
 
@@ -75,6 +89,19 @@ def _node_value(node: Node, slots: list[Any], primvars: Mapping[str, Any]) -> ND
     if node.op == "texture":
         s, t = slots[0][:2]
         return np.array([s, t, s + t, 0.5])
+    if node.op in ("position", "normal", "view"):
+        return _four(primvars[node.op])
+    if node.op.endswith(("_to_world", "_to_object")):
+        away = 1.0 if node.op.endswith("world") else -1.0
+        moved = WORLD if node.op.startswith("point") else (0.0, 0.0, 0.0)
+        return np.append(slots[0][:3] + np.multiply(away, moved), slots[0][3])
+    if node.op in _NOISES:
+        noise, width = _NOISES[node.op], int(node.op[-2])
+        place = tuple(slots[0][:width])
+        jitter = (slots[1][0],) if node.op.startswith("worley") else ()
+        values = noise(place, *jitter)
+        fourth = mx_noise.worley_cell(place, *jitter) if "worley_cells" in node.op else values[0]
+        return np.array([*values[:3], fourth])
     if node.op == "swizzle":
         parts = {**dict(zip("rgba", slots[0], strict=True)), "0": 0.0, "1": 1.0}
         return np.array([parts[letter] for letter in node.swizzle])

@@ -17,7 +17,6 @@ from irt_usd import _core
 SIZE = (128, 96)
 SAMPLES = 16
 MITSUBA_SAMPLES = 256
-WINDOW = (-1.0, 1.0, -0.75, 0.75)
 REGIONS = (4, 3)
 """Into how many regions, across and down, a picture is divided."""
 
@@ -30,7 +29,8 @@ class Look:
     """A material: matt, a mirror-smooth glass, or one that only glows.
 
     Textures are (h, w, 3) float32, row 0 at the top; `normal_map` holds (n + 1) / 2. `given`: any
-    other material of irt's core, and the BSDF of Mitsuba's that it is to be like.
+    other material of irt's core, and the BSDF of Mitsuba's that it is to be like; `medium` is then
+    what Mitsuba fills the shape with.
     """
 
     color: tuple[float, float, float] = (0.5, 0.5, 0.5)
@@ -40,6 +40,7 @@ class Look:
     glows: bool = False
     glass_ior: float | None = None
     given: tuple[Any, dict[str, Any]] | None = None
+    medium: dict[str, Any] | None = None
 
 
 @dataclass
@@ -51,6 +52,16 @@ class Shape:
     look: Look
     normals: Array | None = None
     st: Array | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """What is seen: half the window's sides at distance 1, and in how many pixels and samples."""
+
+    half: tuple[float, float] = (1.0, 0.75)
+    size: tuple[int, int] = SIZE
+    samples: int = SAMPLES
+    mitsuba_samples: int = MITSUBA_SAMPLES
 
 
 @dataclass
@@ -93,7 +104,7 @@ def ball(center: Any, radius: float, look: Look, steps: int, smooth: bool) -> Sh
     return Shape(np.array(center) + radius * flat, triangles, look, flat if smooth else None)
 
 
-def render_irt(scene: Scene) -> NDArray[np.float32]:
+def render_irt(scene: Scene, seen: View = View()) -> NDArray[np.float32]:
     """(h, w, 3)."""
     changes = _core.ChangeSet()
     for i, shape in enumerate(scene.shapes):
@@ -108,8 +119,9 @@ def render_irt(scene: Scene) -> NDArray[np.float32]:
         changes.set_object(f"/shape{i}", mesh, np.eye(4), f"/look{i}")
     for i, (position, intensity) in enumerate(scene.lights):
         changes.set_light(f"/light{i}", _core.Light.point(position, (intensity,) * 3))
-    view = _core.ViewSettings(*SIZE, samples=SAMPLES, max_depth=8)
-    renderer = _core.Renderer(_core.Camera(np.eye(4), WINDOW), view)
+    view = _core.ViewSettings(*seen.size, samples=seen.samples, max_depth=8)
+    across, up = seen.half
+    renderer = _core.Renderer(_core.Camera(np.eye(4), (-across, across, -up, up)), view)
     renderer.update(changes)
     return renderer.beauty()[..., :3].copy()
 
@@ -154,7 +166,9 @@ def _core_material(look: Look) -> "_core.Material":
     )
 
 
-def render_mitsuba(scene: Scene) -> NDArray[np.float32]:
+def render_mitsuba(
+    scene: Scene, seen: View = View(), integrator: dict[str, Any] | None = None
+) -> NDArray[np.float32]:
     """(h, w, 3)."""
     import mitsuba as mi
 
@@ -163,23 +177,24 @@ def render_mitsuba(scene: Scene) -> NDArray[np.float32]:
     deep = any(shape.look.glass_ior is not None for shape in scene.shapes)
     parts: dict[str, Any] = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": 9 if deep else 2, "rr_depth": 1000},
+        "integrator": integrator
+        or {"type": "path", "max_depth": 9 if deep else 2, "rr_depth": 1000},
         "sensor": {
             "type": "perspective",
-            "fov": 90.0,
+            "fov": 2 * np.degrees(np.arctan(seen.half[0])),
             "fov_axis": "x",
             "near_clip": 0.01,
             "far_clip": 1e4,
             "to_world": mi.ScalarTransform4f(np.diag([-1.0, 1, -1, 1]).tolist()),
             "film": {
                 "type": "hdrfilm",
-                "width": SIZE[0],
-                "height": SIZE[1],
+                "width": seen.size[0],
+                "height": seen.size[1],
                 "rfilter": {"type": "box"},
                 "pixel_format": "rgb",
                 "component_format": "float32",
             },
-            "sampler": {"type": "stratified", "sample_count": MITSUBA_SAMPLES},
+            "sampler": {"type": "stratified", "sample_count": seen.mitsuba_samples},
         },
     }
     for i, (position, intensity) in enumerate(scene.lights):
@@ -187,7 +202,7 @@ def render_mitsuba(scene: Scene) -> NDArray[np.float32]:
         parts[f"light{i}"] = {"type": "point", "position": list(position), "intensity": value}
     for i, shape in enumerate(scene.shapes):
         parts[f"shape{i}"] = _mitsuba_mesh(mi, f"shape{i}", shape)
-    image = mi.render(mi.load_dict(parts), spp=MITSUBA_SAMPLES)
+    image = mi.render(mi.load_dict(parts), spp=seen.mitsuba_samples)
     return np.asarray(image, dtype=np.float32)[..., :3]
 
 
@@ -221,6 +236,8 @@ def _mitsuba_mesh(mi: Any, name: str, shape: Shape) -> Any:
     properties["bsdf"] = mi.load_dict(bsdf)
     if look.glows:
         properties["emitter"] = mi.load_dict({"type": "area", "radiance": color(False)})
+    if look.medium is not None:
+        properties["interior"] = mi.load_dict(look.medium)
     properties["face_normals"] = shape.normals is None
     mesh = mi.Mesh(
         name,

@@ -41,6 +41,7 @@ HALF_W = np.diag([0.0, 0.0, 0.0, 0.5])
 BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
+ST: Any = {"st": ("constant", np.array([[0.3, 0.7]], np.float32), None)}
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
 
 
@@ -90,18 +91,19 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         radius, material = sizes
         ball, box = ("sphere", radius), ("box", False, BOX)
         parts = [("q", ball, material), ("m", box, "/red")]
-        return _core.Prototype([(n, geometry(g), np.eye(4), m, {}, ()) for n, g, m in parts])
+        return _core.Prototype([(n, geometry(g), np.eye(4), m, ST, ()) for n, g, m in parts])
     if kind in ("array", "forest"):
         entries, size = sizes
         return array(entries, size, kind == "forest")
     if kind in ("points", "curves"):
         balls = np.array(sizes[-1], np.float32).reshape(-1, 4)
         points, widths = balls[:, :3], balls[:, 3]
+        each: Any = {"st": ("vertex", np.ascontiguousarray(points[:, :2]), None)}
         if kind == "points":
-            return _core.Spheres(points, widths)
+            return _core.Spheres(points, widths, each)
         basis, wrap, _ = sizes
         counts = np.array([len(balls)], np.int32)
-        return _core.Curves(points, counts, widths, "vertex", basis, wrap, segments=3)
+        return _core.Curves(points, counts, widths, "vertex", basis, wrap, 3, each)
     return getattr(_core.Quadric, kind)(*sizes)
 
 
@@ -110,8 +112,8 @@ def array(entries: tuple[tuple[Any, ...], ...], size: float, nested: bool) -> _c
     pair, ball, box = ("pair", 0.5 * size, "/glass"), ("sphere", size), ("box", False, BOX)
     prototypes = [
         geometry(pair),
-        _core.Prototype([("ball", geometry(ball), np.eye(4), "/mirror", {}, ())]),
-        _core.Prototype([("box", geometry(box), 0.5 * np.eye(4) + HALF_W, "/red", {}, ())]),
+        _core.Prototype([("ball", geometry(ball), np.eye(4), "/mirror", ST, ())]),
+        _core.Prototype([("box", geometry(box), 0.5 * np.eye(4) + HALF_W, "/red", ST, ())]),
     ]
     rows = np.zeros((len(entries), 4, 3))
     for row, (_, _, offset, scale) in zip(rows, sorted(entries), strict=True):
@@ -371,6 +373,8 @@ def papers() -> list[Edit]:
     bumps = textures.texture(("bumps", 2, 16), scale=(2, 2, 2, 1), bias=(-1, -1, -1, 0))
     gloss = textures.texture(("noise", 3, 4, 1, "f2"), scale=(0.3,) * 4, wrap=("mirror", "clamp"))
     holes = textures.texture(("noise", 4, 8, 4, "u2"), channel="a")
+    marble = textures.texture(("solid", "perlin_vector_3d", "object", 3.0), scale=0.5, bias=0.5)
+    rim = textures.texture(("view",), scale=0.5, bias=0.5)
     tint = textures.texture(("noise", 5, 4, 3, "f4"), turn=(2.0, 30.0, 0.25))
     return [
         ("material", "/paper", {"textured": {"diffuse_color": paint}}),
@@ -387,6 +391,8 @@ def papers() -> list[Edit]:
             {"roughness": 0.0, "textured": {"diffuse_color": tint, "opacity": holes}},
         ),
         ("material", "/screen", {"textured": {"emissive_color": paint}}),
+        ("material", "/marble", {"textured": {"diffuse_color": marble, "opacity": marble}}),
+        ("material", "/rim", {"roughness": 0.0, "textured": {"metallic": rim}}),
     ]
 
 

@@ -13,7 +13,9 @@ from irt_usd.cli.options import parse_bytes
 from irt_usd.errors import InputError
 from irt_usd.images.decode import decode, read_header
 from irt_usd.images.texture_memory import Pyramid, levels_to_drop
+from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
+from irt_usd.shot.session import Shot
 from irt_usd.stage.graph import TextureReference
 from textured import picture, shot_of, write_image, write_stage
 
@@ -134,6 +136,11 @@ def test_a_limit_shows_and_is_said(tmp_path: Path) -> None:
     assert text.endswith("image.png (1)")
 
 
+def dropped(shot: Shot) -> dict[str, int]:
+    assert isinstance(shot.reader.textures, TextureLibrary)
+    return shot.reader.textures.dropped
+
+
 def test_a_limit_is_a_setting_of_the_shot(tmp_path: Path) -> None:
     """What is dropped follows from all frames' textures, whichever are rendered."""
     for name in ("one", "two"):
@@ -141,7 +148,7 @@ def test_a_limit_is_a_setting_of_the_shot(tmp_path: Path) -> None:
     keys = "asset inputs:file.timeSamples = {1: @one.png@, 2: @two.png@}"
     stage = write_stage(tmp_path, texture=keys)
     limits = [
-        shot_of(stage, frames=frames, texture_memory=20_000).reader.textures.dropped
+        dropped(shot_of(stage, frames=frames, texture_memory=20_000))
         for frames in ("1", "2", "1:2")
     ]
     assert limits[0] == limits[1] == limits[2]

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from pxr import Usd, UsdShade
 
+import mx_noise
 from graph_values import surface_value
 from irt_usd.materialx.material import MaterialXSource
 from irt_usd.report import Report
@@ -17,7 +18,8 @@ from irt_usd.stage.open import open_stage
 from materialx_documents import material, mtlx
 
 UV = (0.25, 0.75)
-ST = {"st": UV}
+ST = {"st": UV, "position": (0.3, 0.6, 1.2), "normal": (0.0, 0.6, 0.8), "view": (0.0, 0.0, -1.0)}
+P = (0.3, 0.6, 1.2)
 
 
 def translated(
@@ -190,6 +192,152 @@ def test_separate_and_combine(tmp_path: Path) -> None:
     assert emitted(tmp_path, "vector3", VARYING + apart + together) == (2.0, 0.25, 0.75)
 
 
+def apart(p: tuple[float, ...], *by: float) -> tuple[float, ...]:
+    return tuple(a + b for a, b in zip(p, by, strict=False))
+
+
+def octaves(noise: Any, p: tuple[float, ...], count: int, index: int = 0) -> float:
+    """Of lacunarity 2 and diminish 0.5."""
+    return float(sum(noise(tuple(2**i * x for x in p))[index] / 2**i for i in range(count)))
+
+
+PERLIN, VECTOR = mx_noise.perlin, mx_noise.perlin_vector
+
+
+@pytest.mark.parametrize(
+    ("category", "kind", "inputs", "expected"),
+    [
+        ("noise2d", "float", {"amplitude": "float 2", "pivot": "float 0.5"},
+         2 * PERLIN(UV)[0] + 0.5),
+        ("noise2d", "vector3", {"amplitude": "vector3 1,2,3"},
+         tuple(k * v for k, v in zip((1, 2, 3), VECTOR(UV), strict=True))),
+        ("noise3d", "float", {}, PERLIN(P)[0]),
+        ("noise3d", "color3", {"amplitude": "float 0.5"}, tuple(0.5 * v for v in VECTOR(P))),
+        ("fractal2d", "float", {"octaves": "integer 4"}, octaves(PERLIN, UV, 4)),
+        ("fractal3d", "vector3", {}, tuple(octaves(VECTOR, P, 3, i) for i in range(3))),
+        ("fractal3d", "vector2", {"octaves": "integer 2"},
+         (octaves(PERLIN, P, 2), octaves(PERLIN, apart(P, 19, 193, 17), 2), 0)),
+        ("cellnoise2d", "float", {}, mx_noise.cells(UV)[0]),
+        ("cellnoise3d", "float", {}, mx_noise.cells(P)[0]),
+        ("worleynoise2d", "float", {"jitter": "float 0.5"}, mx_noise.worley(UV, 0.5)[0]),
+        ("worleynoise3d", "vector3", {}, mx_noise.worley(P, 1.0)),
+        ("worleynoise2d", "float", {"style": "integer 1"}, mx_noise.worley_cell(UV, 1.0)),
+        ("worleynoise3d", "vector3", {"style": "integer 1"}, mx_noise.worley_cells(P, 1.0)),
+        ("unifiednoise2d", "float", {"type": "integer 1"}, mx_noise.cells(UV)[0]),
+        ("position", "vector3", {}, P),
+        ("position", "vector3", {"space": "string world"}, (10.3, 20.6, 31.2)),
+        ("normal", "vector3", {"space": "string world"}, (0, 0.6, 0.8)),
+        ("viewdirection", "vector3", {"space": "string world"}, (0, 0, -1)),
+        ("facingratio", "float", {}, 0.8),
+        ("transformpoint", "vector3",
+         {"in": "vector3 1,2,3", "fromspace": "string object", "tospace": "string world"},
+         (11, 22, 33)),
+        ("transformpoint", "vector3",
+         {"in": "vector3 1,2,3", "fromspace": "string world", "tospace": "string model"},
+         (-9, -18, -27)),
+        ("transformvector", "vector3",
+         {"in": "vector3 1,2,3", "fromspace": "string object", "tospace": "string world"},
+         (1, 2, 3)),
+    ],
+)  # fmt: skip
+def test_noises_and_places(
+    tmp_path: Path, category: str, kind: str, inputs: dict[str, str], expected: Any
+) -> None:
+    nodes = node(category, kind, **inputs)
+    assert emitted(tmp_path, kind, nodes) == pytest.approx(expected, abs=1e-6)
+
+
+MATRIX = "1,2,0, 0,1,3, 4,0,1"
+
+
+@pytest.mark.parametrize(
+    ("category", "kind", "inputs", "expected"),
+    [
+        ("asin", "float", {"in": "float @x"}, math.asin(0.25)),
+        ("acos", "float", {"in": "float @x"}, math.acos(0.25)),
+        ("atan2", "float", {"iny": "float @y", "inx": "float @x"}, math.atan2(0.75, 0.25)),
+        ("rotate3d", "vector3",
+         {"in": "vector3 @v", "amount": "float 90", "axis": "vector3 0,0,2"}, (0.75, -0.25, 2)),
+        ("transformmatrix", "vector3", {"in": "vector3 @v", "mat": f"matrix33 {MATRIX}"},
+         (0.25 + 8, 0.5 + 0.75, 2.25 + 2)),
+        ("transformmatrix", "vector2", {"in": "vector2 @t", "mat": f"matrix33 {MATRIX}"},
+         (0.25 + 4, 0.5 + 0.75, 0)),
+        ("determinant", "float", {"in": f"matrix33 {MATRIX}"}, 25.0),
+        ("burn", "float", {"fg": "float @x", "bg": "float @y"}, 0.0),
+        ("burn", "float", {"fg": "float 0", "bg": "float @y"}, 0.0),
+        ("dodge", "float", {"fg": "float @x", "bg": "float @y", "mix": "float 0.5"},
+         0.5 * 1.0 + 0.375),
+        ("inside", "float", {"in": "float @y", "mask": "float @x"}, 0.1875),
+        ("outside", "color3", {"in": "color3 1,2,4", "mask": "float @x"}, (0.75, 1.5, 3)),
+        ("frame", "float", {}, 1.0),
+        ("time", "float", {"fps": "float 4"}, 0.25),
+    ],
+)  # fmt: skip
+def test_more_arithmetic(
+    tmp_path: Path, category: str, kind: str, inputs: dict[str, str], expected: Any
+) -> None:
+    assert emitted(tmp_path, kind, VARYING + node(category, kind, **inputs)) == pytest.approx(
+        expected, abs=1e-6
+    )
+
+
+def test_matrices_undo_each_other(tmp_path: Path) -> None:
+    inverse = node("invertmatrix", "matrix33", "i", **{"in": f"matrix33 {MATRIX}"})
+    there = node(
+        "transformmatrix", "vector3", "w", **{"in": "vector3 @v", "mat": f"matrix33 {MATRIX}"}
+    )
+    back = node("transformmatrix", "vector3", **{"in": "vector3 @w", "mat": "matrix33 @i"})
+    assert emitted(tmp_path, "vector3", VARYING + inverse + there + back) == pytest.approx(
+        (0.25, 0.75, 2.0)
+    )
+    rows = {f"in{i + 1}": f"vector3 {row}" for i, row in enumerate(("@v", "0,1,0", "0,0,1"))}
+    made = node("creatematrix", "matrix33", "m", **rows)
+    turned = node("transpose", "matrix33", "t2", **{"in": "matrix33 @m"})
+    point = node("transformmatrix", "vector3", **{"in": "vector3 1,1,1", "mat": "matrix33 @t2"})
+    assert emitted(tmp_path, "vector3", VARYING + made + turned + point) == pytest.approx(
+        (0.25 + 0.75 + 2.0, 1.0, 1.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("category", "expected"),
+    [
+        ("over", (0.5 + 0.4 * 0.5, 0.5, 0.25)),
+        ("in", (0.5 * 0.8, 0.4 * 0.0, 0.0)),
+        ("out", (0.5 * 0.2, 0.0, 0.0)),
+        ("mask", (0.4 * 0.5, 0.5, 0.25)),
+        ("matte", (0.5 * 0.5 + 0.4 * 0.5, 0.5, 0.25)),
+        ("disjointover", (0.5 + 0.4 * 0.625, 0.625, 0.3125)),
+    ],
+)
+def test_compositing(tmp_path: Path, category: str, expected: Any) -> None:
+    layers = {"fg": "color4 0.5,0,0,0.5", "bg": "color4 0.4,1,0.5,0.8"}
+    nodes = node(category, "color4", "n4", **layers) + node(
+        "convert", "color3", **{"in": "color4 @n4"}
+    )
+    assert emitted(tmp_path, "color3", nodes) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_frame_is_a_change(tmp_path: Path) -> None:
+    text = material('<input name="base" type="float" nodename="n"/>', node("frame", "float"))
+    _stage, source = translated(tmp_path, text)
+    assert source.varies
+    first, second = (source.read(Usd.TimeCode(t)) for t in (1, 2))
+    assert first.attributes["frame"] == 1.0
+    assert surface_value(first.surface, "diffuseColor") == pytest.approx((0.8,) * 3)
+    assert surface_value(second.surface, "diffuseColor") == pytest.approx((1.6,) * 3)
+
+
+def test_the_geometrys_own_normal(tmp_path: Path) -> None:
+    report = Report()
+    text = material(
+        '<input name="normal" type="vector3" nodename="n"/>',
+        node("normal", "vector3", space="string world"),
+    )
+    assert "normal" not in surface(tmp_path, text, report).connected
+    assert not report.notices
+
+
 NORMAL_MAP = node("image", "vector3", "i", file="filename n.png") + node(
     "normalmap", "vector3", **{"in": "vector3 @i", "scale": "float 0.5"}
 )
@@ -214,10 +362,12 @@ def test_a_normal_that_is_no_map_is_ignored(tmp_path: Path) -> None:
 
 def test_unknown_nodes_give_their_defaults(tmp_path: Path) -> None:
     report = Report()
-    noise = node("noise2d", "float", amplitude="float 1")
-    text = material('<input name="base" type="float" nodename="n"/>', noise)
+    black = node("blackbody", "color3", temperature="float 5000")
+    text = material('<input name="base_color" type="color3" nodename="n"/>', black)
     assert surface_value(surface(tmp_path, text, report), "diffuseColor") == (0.0, 0.0, 0.0)
-    assert [n.message for n in report.notices] == ["MaterialX node noise2d (its default rendered)"]
+    assert [n.message for n in report.notices] == [
+        "MaterialX node blackbody (its default rendered)"
+    ]
     nonsense = '<nonsense name="n" type="float"/>'
     other = Report()
     surface(tmp_path, material('<input name="base" type="float" nodename="n"/>', nonsense), other)

@@ -10,7 +10,9 @@ from pxr import UsdUtils
 
 from irt_usd.changes import diff
 from irt_usd.errors import InputError
+from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
+from irt_usd.shot.foresight import foresee
 from irt_usd.shot.progress import shot_progress
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.shot.tracer import ShotTracer
@@ -211,6 +213,27 @@ def test_the_path_varies(tmp_path: Path, image: Path) -> None:
     assert str(change.old).endswith("image.png")
     assert str(change.new).endswith("other.png")
     assert not diff(second, third).changes
+
+
+def test_of_a_sequence_two_images_are_in_memory(tmp_path: Path, image: Path) -> None:
+    """That of a frame and that of the frame before; what does not vary stays."""
+    numbers = range(1, 7)
+    for number in numbers:
+        write_image(tmp_path / f"f{number}.png", blocks((CODES + number).astype(np.uint8)))
+    keys = ", ".join(f"{number}: @f{number}.png@" for number in numbers)
+    stage = write_stage(tmp_path, texture=f"asset inputs:file.timeSamples = {{{keys}}}")
+    shot = shot_of(stage, frames="1:6")
+    assert foresee(shot, shot.frames) is not None
+    library = shot.reader.textures
+    assert isinstance(library, TextureLibrary)
+    assert not library.decoded
+    tracer = ShotTracer(shot, TraceSettings(), shot.frames)
+    for frame in shot.frames:
+        tracer.trace(frame)
+        shown = tracer.film().beauty[..., :3].copy()
+        names = {Path(reference.file).stem for reference in library.decoded}
+        assert names == {f"f{n}" for n in (int(frame) - 1, int(frame)) if n in numbers}
+        np.testing.assert_array_equal(shown, picture(stage, frames=str(frame)))
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,9 @@
 """Textured inputs of materials for property tests, as plain values.
 
 A texture is a dictionary: `image`, ("noise", seed, size, channels, dtype) or ("bumps", seed, size),
-a field of normals; `channel`; `transfer`; `wrap`; `turn`, (scale, degrees, offset) of st; `scale`
-and `bias` of what was looked up.
+a field of normals, or no picture at all but ("solid", operation, space, frequency), a noise over
+positions in that space, or ("view",), which goes by the ray's direction; `channel`; `transfer`;
+`wrap`; `turn`, (scale, degrees, offset) of st; `scale` and `bias` of what was looked up.
 """
 
 from functools import cache
@@ -40,22 +41,42 @@ def made(image: tuple[Any, ...], transfer: Any) -> _core.Texture:
     return _core.Texture([(0, 0, texels(image))], transfer=transfer)
 
 
+def pattern(image: tuple[Any, ...], first: int) -> list[_core.ShadeNode]:
+    """Nodes numbered from `first`, whose last is a pattern that needs no st, about from 0 to 1."""
+    if image[0] == "view":
+        return [_core.ShadeNode("view"), _core.ShadeNode("vector_to_world", [first])]
+    _, op, space, frequency = image
+    nodes = [_core.ShadeNode("position")]
+    if space == "world":
+        nodes.append(_core.ShadeNode("point_to_world", [first]))
+    last = first + len(nodes) - 1
+    nodes.append(_core.ShadeNode("multiply", [last], [0, frequency]))
+    nodes.append(_core.ShadeNode(op, [last + 1], [0, 0.75]))
+    return nodes
+
+
 def graph(textured: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """`nodes` and `connected` of a material."""
     nodes = [_core.ShadeNode("primvar", primvar="st")]
     connected = {}
     for name, spec in textured.items():
-        scale, degrees, offset = spec.get("turn", (1.0, 0.0, 0.0))
-        image = made(spec["image"], spec.get("transfer", "linear"))
-        wrap = spec.get("wrap", ("repeat", "repeat"))
         gain, bias = spec.get("scale", 1.0), spec.get("bias", 0.0)
-        first = len(nodes)
+        if spec["image"][0] in ("solid", "view"):
+            nodes += pattern(spec["image"], len(nodes))
+        else:
+            scale, degrees, offset = spec.get("turn", (1.0, 0.0, 0.0))
+            image = made(spec["image"], spec.get("transfer", "linear"))
+            wrap = spec.get("wrap", ("repeat", "repeat"))
+            first = len(nodes)
+            nodes += [
+                _core.ShadeNode("transform2d", [0], [0, scale, degrees, (offset, -offset)]),
+                _core.ShadeNode("texture", [first], texture=image, wrap=wrap),
+            ]
+        last = len(nodes) - 1
         nodes += [
-            _core.ShadeNode("transform2d", [0], [0, scale, degrees, (offset, -offset)]),
-            _core.ShadeNode("texture", [first], texture=image, wrap=wrap),
-            _core.ShadeNode("multiply", [first + 1], [0, gain]),
-            _core.ShadeNode("add", [first + 2], [0, bias]),
+            _core.ShadeNode("multiply", [last], [0, gain]),
+            _core.ShadeNode("add", [last + 1], [0, bias]),
         ]
         channel = spec.get("channel", "r" if name in SCALARS else "rgb")
-        connected[name] = (first + 3, channel)
+        connected[name] = (last + 2, channel)
     return {"nodes": nodes if connected else [], "connected": connected}

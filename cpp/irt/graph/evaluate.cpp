@@ -68,6 +68,8 @@ class Evaluator {
 
     [[nodiscard]] Value value(const ShadeNode& node, const std::array<Value, 4>& slots) const {
         if (node.op == Op::Primvar) return primvar_value(site_, node.primvar).value_or(slots[0]);
+        if (site_.place && node.op >= Op::Position && node.op <= Op::NormalToObject)
+            return placed(node.op, slots[0]);
         if (node.op != Op::Texture) return operate(node, slots);
         const Value& st = slots[0];
         const std::optional<texture::Texel> texel =
@@ -79,12 +81,69 @@ class Evaluator {
             Dual{(*texel)[0], 0, 0}, {(*texel)[1], 0, 0}, {(*texel)[2], 0, 0}, {(*texel)[3], 0, 0}};
     }
 
+    /// A node that asks where the point lies.
+    [[nodiscard]] Value placed(Op op, const Value& in) const {
+        const Place& place = *site_.place;
+        const auto each = [&](auto&& transform) {
+            const auto vector = [&](double Dual::*part) {
+                return transform(V3d(in[0].*part, in[1].*part, in[2].*part), part == &Dual::v);
+            };
+            return joined(vector(&Dual::v), vector(&Dual::x), vector(&Dual::y), in[3]);
+        };
+        switch (op) {
+            case Op::Position:
+                return joined(place.position, place.along, place.across, Dual{1, 0, 0});
+            case Op::Normal:
+                return joined(place.normal, V3d(0), V3d(0), Dual{0, 0, 0});
+            case Op::View:
+                return joined(place.view, V3d(0), V3d(0), Dual{0, 0, 0});
+            case Op::PointToWorld:
+            case Op::PointToObject: {
+                const M44d& m =
+                    op == Op::PointToWorld ? place.world_from_object : place.object_from_world;
+                return each([&](const V3d& v, bool point) {
+                    return point ? transform_point(m, v) : transform_direction(m, v);
+                });
+            }
+            case Op::VectorToWorld:
+            case Op::VectorToObject: {
+                const M44d& m =
+                    op == Op::VectorToWorld ? place.world_from_object : place.object_from_world;
+                return each([&](const V3d& v, bool) { return transform_direction(m, v); });
+            }
+            default: {
+                const M44d& m =
+                    op == Op::NormalToWorld ? place.object_from_world : place.world_from_object;
+                return each([&](const V3d& v, bool) { return transform_normal(m, v); });
+            }
+        }
+    }
+    static Value joined(const V3d& v, const V3d& x, const V3d& y, const Dual& fourth) {
+        return {Dual{v.x, x.x, y.x}, {v.y, x.y, y.y}, {v.z, x.z, y.z}, fourth};
+    }
+
     const Material& material_;
     const Site& site_;
     std::array<Value, max_shade_nodes> values_;  ///< of the nodes that were run
 };
 
 }  // namespace
+
+Place::Place(const Scene& scene, const trace::Hit& hit, const V3d& position_render,
+             const V3d& normal_render, const V3d& view_render, const V3d& along_render,
+             const V3d& across_render) {
+    const Surface& surface = scene.surface(hit.object, hit.part);
+    world_from_object = surface.trace_from_shape * scene.render_from_trace(hit.object, hit.part);
+    const M44d object_from_render = inverse_of(world_from_object);
+    position = transform_point(object_from_render, position_render);
+    normal = normalized(transform_normal(world_from_object, normal_render));
+    view = normalized(transform_direction(object_from_render, view_render));
+    along = transform_direction(object_from_render, along_render);
+    across = transform_direction(object_from_render, across_render);
+    const V3d& origin = scene.render_origin();
+    for (int i = 0; i < 3; ++i) world_from_object[3][i] += origin[i];
+    object_from_world = inverse_of(world_from_object);
+}
 
 std::optional<Value> primvar_value(const Site& site, std::string_view name) {
     Value out{};

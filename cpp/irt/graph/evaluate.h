@@ -11,12 +11,26 @@
 
 namespace irt::graph {
 
+/// Where a point lies: what nodes that ask for positions, normals or spaces read.
+struct Place {
+    M44d world_from_object, object_from_world;  ///< object: the space that the shape is authored in
+    V3d position, normal;                       ///< object space; the normal is of unit length
+    V3d along, across;                          ///< object space: the axes of the ray's footprint
+    V3d view;                                   ///< object space, unit: the way of the ray
+
+    /// `position`, `normal` (unit, outward), `view`, `along` and `across` are in render space.
+    Place(const Scene& scene, const trace::Hit& hit, const V3d& position_render,
+          const V3d& normal_render, const V3d& view_render, const V3d& along_render,
+          const V3d& across_render);
+};
+
 /// Where on a surface, and how far the triangle's weights change along the axes of the ray's
 /// footprint; all 0: the footprint is a point.
 struct Site {
     const Surface& surface;
     const trace::Hit& hit;
     double u_x = 0, v_x = 0, u_y = 0, v_y = 0;
+    const Place* place = nullptr;  ///< given where reads_place
 };
 
 /// A primvar's value: of the mesh, points or curves, else a constant one of the object or part.

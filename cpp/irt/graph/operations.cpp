@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "irt/graph/noise.h"
 #include "irt/math/libm.h"
 
 namespace irt::graph {
@@ -149,6 +150,36 @@ Value hsv_to_rgb(const Value& in) {
     }
 }
 
+/// Of what lies outside [-1, 1] as of its ends, where it is flat.
+Dual arc_sine(const Dual& a) {
+    if (!(std::fabs(a.v) < 1)) return {libm::asin(a.v < 0 ? -1.0 : 1.0), 0, 0};
+    return chained(a, libm::asin(a.v), 1 / std::sqrt(1 - a.v * a.v));
+}
+
+Dual arc_cosine(const Dual& a) {
+    if (!(std::fabs(a.v) < 1)) return {libm::acos(a.v < 0 ? -1.0 : 1.0), 0, 0};
+    return chained(a, libm::acos(a.v), -1 / std::sqrt(1 - a.v * a.v));
+}
+
+Dual arc_tangent(const Dual& y, const Dual& x) {
+    const double squared = x.v * x.v + y.v * y.v;
+    if (!(squared > 0)) return zero;
+    return {libm::atan2(y.v, x.v), (x.v * y.x - y.v * x.x) / squared,
+            (x.v * y.y - y.v * x.y) / squared};
+}
+
+Point2 flat(const Value& a) { return {a[0].v, a[1].v}; }
+Point3 solid(const Value& a) { return {a[0].v, a[1].v, a[2].v}; }
+
+/// Numbers whose change across the footprint is not followed.
+Value still(double v) { return {Dual{v, 0, 0}, {v, 0, 0}, {v, 0, 0}, {v, 0, 0}}; }
+Value still(const std::array<double, 3>& v) {
+    return {Dual{v[0], 0, 0}, {v[1], 0, 0}, {v[2], 0, 0}, zero};
+}
+Value still(const std::array<double, 4>& v) {
+    return {Dual{v[0], 0, 0}, {v[1], 0, 0}, {v[2], 0, 0}, {v[3], 0, 0}};
+}
+
 Dual picked(const Value& in, std::uint8_t component) {
     if (component == swizzle_zero) return zero;
     return component == swizzle_one ? one : in[component];
@@ -162,6 +193,15 @@ Value operate(const ShadeNode& node, const std::array<Value, 4>& slots) {
         case Op::Constant:
         case Op::Primvar:
         case Op::Texture:
+        case Op::Position:
+        case Op::Normal:
+        case Op::View:
+        case Op::PointToWorld:
+        case Op::VectorToWorld:
+        case Op::NormalToWorld:
+        case Op::PointToObject:
+        case Op::VectorToObject:
+        case Op::NormalToObject:
             return a;
         case Op::Transform2d:
             return transform2d(a, b, c, d);
@@ -243,6 +283,32 @@ Value operate(const ShadeNode& node, const std::array<Value, 4>& slots) {
             return rgb_to_hsv(a);
         case Op::HsvToRgb:
             return hsv_to_rgb(a);
+        case Op::Asin:
+            return each(a, arc_sine);
+        case Op::Acos:
+            return each(a, arc_cosine);
+        case Op::Atan2:
+            return each(a, b, arc_tangent);
+        case Op::Perlin2:
+            return still(perlin(flat(a)));
+        case Op::Perlin3:
+            return still(perlin(solid(a)));
+        case Op::PerlinVector2:
+            return still(perlin_vector(flat(a)));
+        case Op::PerlinVector3:
+            return still(perlin_vector(solid(a)));
+        case Op::Cells2:
+            return still(cells(flat(a)));
+        case Op::Cells3:
+            return still(cells(solid(a)));
+        case Op::Worley2:
+            return still(worley(flat(a), b[0].v));
+        case Op::Worley3:
+            return still(worley(solid(a), b[0].v));
+        case Op::WorleyCells2:
+            return still(worley_cells(flat(a), b[0].v));
+        case Op::WorleyCells3:
+            return still(worley_cells(solid(a), b[0].v));
     }
     return a;
 }

@@ -29,7 +29,7 @@ bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
     return trace::judge_object(scene, slot, trace::judge_ray(ray), ray.camera,
                                [&](const trace::Hit& hit) {
                                    trace::Occlusion sum;
-                                   trace::add_occluder(scene, hit, sum);
+                                   trace::add_occluder(scene, ray, hit, sum);
                                    return sum.blocker != trace::none;
                                });
 }

@@ -12,6 +12,7 @@ double exp(double x) { return std::exp(x); }
 double log(double x) { return std::log(x); }
 double sin(double x) { return std::sin(x); }
 double cos(double x) { return std::cos(x); }
+double asin(double x) { return std::asin(x); }
 double acos(double x) { return std::acos(x); }
 double atan2(double y, double x) { return std::atan2(y, x); }
 

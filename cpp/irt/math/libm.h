@@ -13,6 +13,7 @@ double exp(double x);
 double log(double x);
 double sin(double x);
 double cos(double x);
+double asin(double x);
 double acos(double x);
 double atan2(double y, double x);
 

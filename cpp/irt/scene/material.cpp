@@ -52,6 +52,13 @@ std::vector<std::int32_t> nodes_behind(const Material& material,
     return found;
 }
 
+bool reads_place(const Material& material, const std::vector<std::int32_t>& nodes) {
+    return std::any_of(nodes.begin(), nodes.end(), [&](std::int32_t n) {
+        const Op op = material.nodes[static_cast<std::size_t>(n)].op;
+        return op >= Op::Position && op <= Op::NormalToObject;
+    });
+}
+
 SurfaceValues::SurfaceValues(const Material& m)
     : diffuse_color(m.diffuse_color),
       emissive_color(m.emissive_color),

@@ -15,7 +15,8 @@
 namespace irt {
 
 /// What a node computes. Values have four components; operations work on each by itself but for
-/// Dot, Length, Normalize, Cross, the colour models, Swizzle and Combine (graph/operations.h).
+/// Dot, Length, Normalize, Cross, the colour models, Swizzle, Combine (graph/operations.h), noises
+/// and those from Position to NormalToObject, which read where the point lies.
 enum class Op : std::uint8_t {
     Constant,
     Primvar,
@@ -52,13 +53,41 @@ enum class Op : std::uint8_t {
     Combine,
     RgbToHsv,
     HsvToRgb,
+    Acos,
+    Asin,
+    Atan2,
+    Position,
+    Normal,
+    View,
+    PointToWorld,
+    VectorToWorld,
+    NormalToWorld,
+    PointToObject,
+    VectorToObject,
+    NormalToObject,
+    Perlin2,
+    Perlin3,
+    PerlinVector2,
+    PerlinVector3,
+    Cells2,
+    Cells3,
+    Worley2,
+    Worley3,
+    WorleyCells2,
+    WorleyCells3,
 };
+// clang-format off
 inline constexpr std::array op_names{
-    "constant",   "primvar",    "texture",  "transform2d", "add",     "subtract",   "multiply",
-    "divide",     "min",        "max",      "power",       "modulo",  "clamp",      "mix",
-    "smoothstep", "absolute",   "sign",     "floor",       "ceil",    "round",      "sqrt",
-    "sin",        "cos",        "exp",      "log",         "dot",     "length",     "normalize",
-    "cross",      "if_greater", "if_equal", "swizzle",     "combine", "rgb_to_hsv", "hsv_to_rgb"};
+    "constant", "primvar", "texture", "transform2d", "add", "subtract", "multiply", "divide", "min",
+    "max", "power", "modulo", "clamp", "mix", "smoothstep", "absolute", "sign", "floor", "ceil",
+    "round", "sqrt", "sin", "cos", "exp", "log", "dot", "length", "normalize", "cross",
+    "if_greater", "if_equal", "swizzle", "combine", "rgb_to_hsv", "hsv_to_rgb", "acos", "asin",
+    "atan2", "position", "normal", "view", "point_to_world", "vector_to_world", "normal_to_world",
+    "point_to_object", "vector_to_object", "normal_to_object", "perlin_2d", "perlin_3d",
+    "perlin_vector_2d", "perlin_vector_3d", "cells_2d", "cells_3d", "worley_2d", "worley_3d",
+    "worley_cells_2d", "worley_cells_3d",
+};
+// clang-format on
 
 /// The places of ShadeNode::swizzle beyond the four components.
 inline constexpr std::uint8_t swizzle_zero = 4, swizzle_one = 5;
@@ -148,6 +177,9 @@ void check(const Material& material, const std::string& name);
 /// The nodes that some of `inputs` depend on, in their order.
 [[nodiscard]] std::vector<std::int32_t> nodes_behind(const Material& material,
                                                      const std::vector<SurfaceInput>& inputs);
+
+/// Whether any of `nodes` asks where the point lies.
+[[nodiscard]] bool reads_place(const Material& material, const std::vector<std::int32_t>& nodes);
 
 /// The inputs with values, at a point or everywhere.
 struct SurfaceValues {

@@ -274,9 +274,11 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
         if (slot.live && same(slot.record, *record)) continue;
         // What shows a material that is new is itself new or bound to it now.
         if (slot.live && !same_tint(slot.record, *record)) applied.tints.push_back(found->second);
-        slot = {true, name, *record, tint_varies(*record), {}, shadow_depth(*record)};
-        if (slot.tint_varies)
+        slot = {true, name, *record, tint_varies(*record), {}, false, shadow_depth(*record)};
+        if (slot.tint_varies) {
             slot.tint_nodes = nodes_behind(*record, {tint_inputs.begin(), tint_inputs.end()});
+            slot.tint_reads_place = reads_place(*record, slot.tint_nodes);
+        }
         applied.materials.push_back(found->second);
     }
 

@@ -148,6 +148,7 @@ struct MaterialSlot {
     Material record;
     bool tint_varies = false;  ///< from point to point, by `tint_nodes` of its graph
     std::vector<std::int32_t> tint_nodes;
+    bool tint_reads_place = false;     ///< some of them do
     trace::OpticalDepth shadow_depth;  ///< else: tint of a shadow ray crossing one primitive of it
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "irt/math/libm.h"
@@ -31,6 +32,12 @@ trace::Ray ray_towards(const VisiblePoint& point, const LightSlot& light, const 
     return trace::make_ray(origin, V3f(way), t_max);
 }
 
+std::vector<std::int32_t> all_nodes(const Material& material) {
+    std::vector<std::int32_t> nodes(material.nodes.size());
+    std::iota(nodes.begin(), nodes.end(), 0);
+    return nodes;
+}
+
 }  // namespace
 
 Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& cone)
@@ -46,6 +53,8 @@ Shading::Shading(const Scene& scene, const Settings& settings, const RayCone& co
         responses_.push_back(make_response(material.record, settings.mirror_roughness));
         varies_.push_back(!is_uniform(material.record));
         any_varies_ = any_varies_ || varies_.back();
+        placed_.push_back(varies_.back() &&
+                          reads_place(material.record, all_nodes(material.record)));
         emits_ = emits_ || responses_.back().emission != V3d(0, 0, 0) ||
                  material.record.connection(SurfaceInput::EmissiveColor);
     }
@@ -78,6 +87,13 @@ void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double
     const double width = cone_.width + cone_.spread * (travelled + length(ray, hit.t));
     set_footprint(point.direction, point.surface.geometric_normal, width, render_from_trace, site);
     const Material& material = scene_.materials()[point.surface.material].record;
+    std::optional<graph::Place> place;
+    if (placed_[point.surface.material]) {
+        const trace::SurfacePoint& at = point.surface;
+        const auto [along, across] = footprint_axes(point.direction, at.geometric_normal, width);
+        place.emplace(scene_, hit, at.position, at.shading_normal, point.direction, along, across);
+        site.place = &*place;
+    }
     const SurfaceValues values = graph::evaluate(material, site);
     point.local = make_response(values, mirror_roughness_);
     if (values.normal != V3d(0, 0, 1))

@@ -111,6 +111,7 @@ class Shading {
     std::int64_t cost_limit_;
     std::vector<Response> responses_;  ///< by material slot
     std::vector<bool> varies_;         ///< by material slot
+    std::vector<bool> placed_;         ///< by material slot: its graph asks where a point lies
     Response held_out_;                ///< of what is matte, seen by the camera
 };
 

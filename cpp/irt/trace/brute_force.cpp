@@ -31,7 +31,7 @@ Hit brute_force_nearest(const Scene& scene, const Ray& ray) {
 
 Occlusion brute_force_occlusion(const Scene& scene, const Ray& ray) {
     Occlusion sum;
-    for_each_hit(scene, ray, [&](const Hit& hit) { return add_occluder(scene, hit, sum); });
+    for_each_hit(scene, ray, [&](const Hit& hit) { return add_occluder(scene, ray, hit, sum); });
     return sum;
 }
 

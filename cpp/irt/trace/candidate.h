@@ -27,13 +27,17 @@ inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) 
     return true;
 }
 
-/// Adds one occluding primitive, met at `hit`; saturation keeps the sum free of order. True once
-/// nothing passes.
-inline bool add_occluder(const Scene& scene, const Hit& hit, Occlusion& sum) {
+/// What `ray`, met at `hit` by a material whose tint varies, loses there.
+[[nodiscard]] OpticalDepth local_tint(const Scene& scene, const MaterialSlot& material,
+                                      const Surface& surface, const Ray& ray, const Hit& hit);
+
+/// Adds one occluding primitive, met by `ray` (in render space) at `hit`; saturation keeps the sum
+/// free of order. True once nothing passes.
+inline bool add_occluder(const Scene& scene, const Ray& ray, const Hit& hit, Occlusion& sum) {
     const Surface& surface = scene.surface(hit.object, hit.part);
     const MaterialSlot& material = scene.materials()[surface.material_of(hit.primitive)];
-    const OpticalDepth depth =
-        material.tint_varies ? graph::tint_at(material, {surface, hit}) : material.shadow_depth;
+    const OpticalDepth depth = material.tint_varies ? local_tint(scene, material, surface, ray, hit)
+                                                    : material.shadow_depth;
     bool opaque = true, black = true;
     for (int c = 0; c < 3; ++c) {
         opaque = opaque && depth.rgb[c] >= depth_opaque;

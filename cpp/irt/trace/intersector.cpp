@@ -27,6 +27,7 @@ struct Query {
         Hit* best;
         Occlusion* sum;
     };
+    const Ray* shadow_ray = nullptr;  ///< in render space, of a query with a sum
     Hit* behind = nullptr;  ///< where not null: the nearest hit on another object than best's
 
     /// Everything up to this has to be found.
@@ -117,7 +118,7 @@ void occlude_packet(const RTCOccludedFunctionNArguments* arguments) {
     Query& query = query_of(arguments->context);
     if (!(shape.rays & query.rays)) return;
     judge_leaf(shape, arguments->primID, query, [&](const Hit& hit) {
-        if (!add_occluder(*query.scene, hit, *query.sum)) return false;
+        if (!add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum)) return false;
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
         return true;
     });
@@ -148,7 +149,7 @@ void occlude_solid(const RTCOccludedFunctionNArguments* arguments) {
     if (!(shape.rays & query.rays)) return;
     Hit hit;
     if (judge_shape(shape, arguments->primID, query, hit) &&
-        add_occluder(*query.scene, hit, *query.sum))
+        add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum))
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
@@ -189,6 +190,7 @@ void occlude_group(const Entered& instance, Query& outer, float& t_far) {
     Query inner;
     if (!enter_instance(instance, outer, outer.ray->t_max, local, inner)) return;
     inner.sum = outer.sum;
+    inner.shadow_ray = outer.shadow_ray;
     if (search_any(instance.group->tree.get(), inner, outer.ray->t_max))
         t_far = -std::numeric_limits<float>::infinity();
 }
@@ -361,6 +363,7 @@ Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts&
     query.rays = ray.camera ? camera_ray : other_ray;
     query.counts = &counts;
     query.sum = &sum;
+    query.shadow_ray = &ray;
     if ((which & still_tree) && trees.still() && search_any(trees.still(), query, judged.t_max))
         return sum;
     if ((which & moving_tree) && trees.moving()) search_any(trees.moving(), query, judged.t_max);

@@ -38,7 +38,10 @@ class _Image:
 
 
 class TextureLibrary:
-    """The textures that materials refer to, each decoded once, shared by all of them.
+    """The textures that materials refer to, shared by all of them.
+
+    Each is decoded when a frame first shows it, and let go once neither a frame nor the one before
+    it does, so that of a sequence of images no more than two are in memory.
 
     Which levels are dropped to stay within `limit` bytes (None: none) follows from all the
     references of the shot, so that it does not depend on the frames that are rendered.
@@ -50,6 +53,7 @@ class TextureLibrary:
         self._limit = limit
         self._images: dict[TextureReference, _Image | None] = {}
         self._textures: dict[TextureReference, Any] = {}
+        self._kept: frozenset[TextureReference] = frozenset()
         self._dropped: Mapping[TextureReference, int] = {}
         self._places: dict[TextureReference, str] = {}
         self._policy: MissingAsset = "fail"
@@ -98,6 +102,18 @@ class TextureLibrary:
         """The core's texture, the same one at every call; None: its fallback is rendered."""
         self.load((reference,))
         return self._textures[reference]
+
+    def keep(self, references: Collection[TextureReference]) -> None:
+        """Lets go of textures that are neither among `references` nor were at the last call."""
+        before, self._kept = self._kept, frozenset(references)
+        for reference, texture in list(self._textures.items()):
+            if texture is not None and reference not in before | self._kept:
+                del self._textures[reference]
+
+    @property
+    def decoded(self) -> frozenset[TextureReference]:
+        """Those that are in memory."""
+        return frozenset(r for r, texture in self._textures.items() if texture is not None)
 
     def wrap(
         self, reference: TextureReference, wrap: tuple[Wrap, Wrap]

@@ -6,8 +6,10 @@ from typing import Any
 from pxr import Usd, UsdShade
 
 from irt_usd.materialx.expressions import Expressions, Value, constant
+from irt_usd.materialx.inputs import Made, Matrix
 from irt_usd.materialx.network import Link, Port, Step
 from irt_usd.materialx.operations import outputs
+from irt_usd.materialx.spaces import geometry
 from irt_usd.report import Report
 from irt_usd.stage.color import StageColors, color_space_of
 from irt_usd.stage.graph import TextureReference, Wrap
@@ -20,6 +22,8 @@ _WRAPS: dict[str, Wrap] = {
     "repeat": "repeat",
     "mirror": "mirror",
 }
+_GEOMETRY = {"P": "position", "N": "normal", "V": "view"}
+"""What the first letter of a geometric property's name stands for; the rest is its space."""
 _COLORS = ("color3", "color4")
 _CHANNELS = {"float": "rrrr", "vector2": "rg01"}
 
@@ -32,7 +36,7 @@ class Evaluation:
         self._time = time
         self._colors = colors
         self._report = report
-        self._made: dict[Step, Value | dict[str, Value]] = {}
+        self._made: dict[Step, Made] = {}
 
     def value(self, step: Step, name: str) -> Value:
         """An input of `step`."""
@@ -40,7 +44,7 @@ class Evaluation:
         if isinstance(port, Link):
             return self._output(port)
         if name in step.unset:
-            return self._geometry(step.unset[name])
+            return self.geometry(step.unset[name])
         read = port.read(self._time)
         kind = _input_type(step, name)
         if kind in _COLORS and isinstance(read, tuple):
@@ -59,16 +63,39 @@ class Evaluation:
             return declared.getValue() if declared.hasValueString() else ""
         return port.read(self._time)
 
-    def _output(self, link: Link) -> Value:
-        step = link.step
+    def matrix(self, step: Step, name: str) -> Matrix:
+        """An input of `step`, a matrix."""
+        port = step.inputs[name]
+        if not isinstance(port, Link):
+            rows: Any = port.read(self._time)
+            return Matrix(tuple(_constant(tuple(row)) for row in rows))
+        made = self._made_by(port.step)
+        return made if isinstance(made, Matrix) else self._no_matrix(step, name)
+
+    def _no_matrix(self, step: Step, name: str) -> Matrix:
+        declared = step.definition.getActiveInput(name)
+        side = 3 if declared.getType() == "matrix33" else 4
+        return Matrix(tuple(constant(*(float(i == k) for k in range(side))) for i in range(side)))
+
+    @property
+    def frame(self) -> float:
+        """The frame that is rendered."""
+        return 0.0 if self._time.IsEarliestTime() else float(self._time.GetValue())
+
+    def _made_by(self, step: Step) -> Made:
         if step not in self._made:
             self._made[step] = self._outputs(step)
-        made = self._made[step]
+        return self._made[step]
+
+    def _output(self, link: Link) -> Value:
+        made = self._made_by(link.step)
+        if isinstance(made, Matrix):
+            return constant(0.0)
         if isinstance(made, dict):
             return made.get(link.output) or next(iter(made.values()))
         return made
 
-    def _outputs(self, step: Step) -> Value | dict[str, Value]:
+    def _outputs(self, step: Step) -> Made:
         if step.missing:
             return self._default(step)
         if step.expanded is not None:
@@ -86,12 +113,15 @@ class Evaluation:
     def _port(self, port: Port) -> Value:
         return self._output(port) if isinstance(port, Link) else _constant(port.read(self._time))
 
-    def _geometry(self, name: str) -> Value:
+    def geometry(self, name: str) -> Value:
         """What the geometry gives to inputs without a value."""
         if name.startswith("UV"):
             index = name.removeprefix("UV")
             return self.expressions.primvar("st" if index == "0" else f"st{index}", constant(0.0))
-        return constant(0.0, 0.0, 1.0)
+        kind = _GEOMETRY.get(name[:1])
+        if kind is not None:
+            return geometry(self.expressions, kind, name[1:])
+        return constant(0.0)
 
     def image(self, step: Step) -> Value:
         """The texture of an image node, filtered."""
@@ -138,6 +168,15 @@ class _StepInputs:
 
     def read(self, name: str) -> Any:
         return self._evaluation.read(self._step, name)
+
+    def matrix(self, name: str) -> Matrix:
+        return self._evaluation.matrix(self._step, name)
+
+    def geometry(self, name: str) -> Value:
+        return self._evaluation.geometry(name)
+
+    def frame(self) -> float:
+        return self._evaluation.frame
 
     def input_type(self, name: str) -> str:
         return _input_type(self._step, name)

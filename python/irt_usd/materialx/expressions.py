@@ -66,6 +66,11 @@ _FOLDED: dict[str, Callable[..., float]] = {
 }
 """Component by component, as the core has it."""
 
+_CHOICES: dict[str, Callable[[float, float], bool]] = {
+    "if_greater": lambda a, b: a > b,
+    "if_equal": lambda a, b: a == b,
+}
+
 _NEUTRAL = {"add": 0.0, "subtract": 0.0, "multiply": 1.0, "divide": 1.0}
 """A second operand that changes nothing."""
 
@@ -100,6 +105,11 @@ class Expressions:
             return values[0]
         if op == "multiply" and values[0].four == (1.0,) * 4:
             return values[1]
+        if op in _CHOICES and None not in fours[:2]:
+            pairs = zip(cast("Four", fours[0]), cast("Four", fours[1]), strict=True)
+            chosen = {_CHOICES[op](a, b) for a, b in pairs}
+            if len(chosen) == 1:
+                return values[2] if chosen.pop() else values[3]
         if op == "mix" and values[0] == values[1]:
             return values[0]
         if op == "mix" and values[2].four in ((0.0,) * 4, (1.0,) * 4):

@@ -43,7 +43,8 @@ class MaterialXSource:
         self._surface = self._network.surface(shader, definition)
         self._model = MODELS[self._surface.category]
         self._state: MaterialState | None = None
-        self.varies = any(p.varies for p in self._network.parameters.values())
+        self._timed = any(step.category in ("frame", "time") for step in self._network.steps)
+        self.varies = self._timed or any(p.varies for p in self._network.parameters.values())
         """Whether the material can differ between frames."""
         self.primvars = frozenset(self._find_primvars())
         """Names of the primvars that it can read."""
@@ -70,6 +71,8 @@ class MaterialXSource:
         prefix = f"{self._surface.path}.inputs:"
         attributes: dict[str, Value] = dict(self._network.links)
         attributes |= {name: p.read(time) for name, p in self._network.parameters.items()}
+        if self._timed:
+            attributes["frame"] = float(time.GetValue())
         attributes = {name.removeprefix(prefix): value for name, value in attributes.items()}
         if old is None or not all(
             same_bits(value, old.attributes[name]) for name, value in attributes.items()
@@ -126,6 +129,8 @@ class MaterialXSource:
             return name
         if isinstance(port, Link) and _is_normal_map(port):
             return name
+        if isinstance(port, Link) and port.step.category == "normal":
+            return ""
         if not isinstance(port, Link) and port.all_values().keys() == {(0.0, 0.0, 1.0)}:
             return ""
         if not (isinstance(port, Link) and port.step.missing):

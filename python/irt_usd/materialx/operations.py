@@ -6,30 +6,12 @@ Nodes that the standard library itself makes of others are not here.
 """
 
 from collections.abc import Callable
-from typing import Any, Protocol
 
-from irt_usd.materialx.expressions import CHANNELS, Expressions, Value, constant
-
-
-class Inputs(Protocol):
-    """A node's inputs at a time."""
-
-    expressions: Expressions
-    type: str
-    """The MaterialX type of the node's output."""
-
-    def value(self, name: str) -> Value:
-        """An input's value as it goes into the graph."""
-
-    def read(self, name: str) -> Any:
-        """An input's value where it must be a constant, else its default."""
-
-    def input_type(self, name: str) -> str:
-        """An input's MaterialX type."""
-
-    def image(self) -> Value:
-        """The texture that an image node reads."""
-
+from irt_usd.materialx.compositing import COMPOSITING
+from irt_usd.materialx.expressions import CHANNELS, Value, constant
+from irt_usd.materialx.inputs import WIDTHS, Inputs, Made, Matrix
+from irt_usd.materialx.noises import NOISES
+from irt_usd.materialx.spaces import SPACES
 
 _BINARY = {
     "add": "add",
@@ -51,6 +33,8 @@ _UNARY = {
     "sqrt": "sqrt",
     "sin": "sin",
     "cos": "cos",
+    "asin": "asin",
+    "acos": "acos",
     "exp": "exp",
     "ln": "log",
     "normalize": "normalize",
@@ -59,15 +43,13 @@ _UNARY = {
 }
 _COMPARISONS = ("ifgreater", "ifgreatereq", "ifequal")
 
-_WIDTHS = {"color4": 4, "vector4": 4, "color3": 3, "vector3": 3, "vector2": 2}
-
 
 def is_known(category: str) -> bool:
     """Whether nodes of this kind are computed here."""
     return category in _BINARY or category in _UNARY or category in _OTHERS
 
 
-def outputs(category: str, node: Inputs) -> Value | dict[str, Value]:
+def outputs(category: str, node: Inputs) -> Made:
     """The value of a node, or of each of its outputs where it has several."""
     if category in _BINARY:
         return node.expressions.apply(_BINARY[category], node.value("in1"), node.value("in2"))
@@ -76,8 +58,8 @@ def outputs(category: str, node: Inputs) -> Value | dict[str, Value]:
     return _OTHERS[category](node)
 
 
-def _constant(node: Inputs) -> Value:
-    return node.value("value")
+def _constant(node: Inputs) -> Value | Matrix:
+    return node.matrix("value") if node.type.startswith("matrix") else node.value("value")
 
 
 def _dot(node: Inputs) -> Value:
@@ -221,7 +203,7 @@ def _separate(letters: str) -> Callable[[Inputs], dict[str, Value]]:
 def _convert(node: Inputs) -> Value:
     """Numbers fill vectors; longer vectors lose their ends, shorter ones grow by 0, alpha by 1."""
     ex = node.expressions
-    value, width, wanted = node.value("in"), _input_width(node), _WIDTHS.get(node.type, 1)
+    value, width, wanted = node.value("in"), _input_width(node), WIDTHS.get(node.type, 1)
     if wanted == 1 and width > 1:
         return ex.channel(value, 0)
     if width == 3 and wanted == 4:
@@ -327,11 +309,11 @@ def _normalmap(node: Inputs) -> Value:
 
 
 def _of_width(node: Inputs, value: Value) -> Value:
-    return value if node.type in _WIDTHS else node.expressions.channel(value, 0)
+    return value if node.type in WIDTHS else node.expressions.channel(value, 0)
 
 
 def _input_width(node: Inputs, name: str = "in") -> int:
-    return _WIDTHS.get(node.input_type(name), 1)
+    return WIDTHS.get(node.input_type(name), 1)
 
 
 def _flattened(node: Inputs, value: Value, name: str = "in") -> Value:
@@ -339,10 +321,22 @@ def _flattened(node: Inputs, value: Value, name: str = "in") -> Value:
     return node.expressions.swizzle(value, "rg00") if _input_width(node, name) == 2 else value
 
 
-_OTHERS: dict[str, Callable[[Inputs], Value | dict[str, Value]]] = {
+def _arc_tangent(node: Inputs) -> Value:
+    return node.expressions.apply("atan2", node.value("iny"), node.value("inx"))
+
+
+def _seconds(node: Inputs) -> Value:
+    rate = float(node.read("fps"))
+    return constant(node.frame() / rate if rate else 0.0)
+
+
+_OTHERS: dict[str, Callable[[Inputs], Made]] = {
     "constant": _constant,
     "dot": _dot,
     "tan": _tangent,
+    "atan2": _arc_tangent,
+    "frame": lambda node: constant(node.frame()),
+    "time": _seconds,
     "fract": _fraction,
     "magnitude": _magnitude,
     "dotproduct": _dotproduct,
@@ -377,4 +371,7 @@ _OTHERS: dict[str, Callable[[Inputs], Value | dict[str, Value]]] = {
     "separate3": _separate("rgbxyz"),
     "separate4": _separate("rgbaxyzw"),
     **{kind: _blend(kind) for kind in ("plus", "minus", "difference", "screen")},
+    **COMPOSITING,
+    **NOISES,
+    **SPACES,
 }

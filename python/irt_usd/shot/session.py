@@ -20,6 +20,7 @@ from irt_usd.shot.frames import (
 )
 from irt_usd.shot.settings import ShotOptions
 from irt_usd.stage import OpenOptions, ReadOptions, ShotReader, open_stage
+from irt_usd.stage.graph import NoTextures
 from irt_usd.stage.views import View, settled
 
 Vec3 = tuple[float, float, float]
@@ -66,9 +67,9 @@ class Shot:
         return [Path(layer.realPath) for layer in self.stage.GetUsedLayers() if layer.realPath]
 
     def reread(self) -> ShotReader:
-        """Another reader of the same frames, which reports to nobody."""
+        """Another reader of the same frames, which reports to nobody and decodes no textures."""
         reading = replace(_reading(self.options), views=tuple(map(settled, self.views)))
-        reading = replace(reading, textures=self.reader.textures)
+        reading = replace(reading, textures=NoTextures())
         frames = [float(frame) for frame in self.frames]
         return ShotReader(self.stage, reading, Report(), frames)
 

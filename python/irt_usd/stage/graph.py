@@ -130,6 +130,28 @@ class TextureSource(Protocol):
     ) -> tuple[WrapMode, WrapMode]:
         """`wrap` with what the file says in the place of useMetadata."""
 
+    def keep(self, references: Collection[TextureReference]) -> None:
+        """Told with each frame that differs what its materials show."""
+
+
+class NoTextures:
+    """A source for what only asks which materials change: their fallbacks stand for all texels."""
+
+    def load(self, references: Collection[TextureReference]) -> None:
+        """Nothing."""
+
+    def texture(self, _reference: TextureReference) -> None:
+        """None."""
+
+    def wrap(
+        self, _reference: TextureReference, _wrap: tuple[Wrap, Wrap]
+    ) -> tuple[WrapMode, WrapMode]:
+        """Any: there is nothing to wrap."""
+        return "black", "black"
+
+    def keep(self, references: Collection[TextureReference]) -> None:
+        """Nothing."""
+
 
 def core_material(surface: Surface, textures: TextureSource | None = None) -> "_core.Material":
     """The core's record of `surface`, with the texels that `textures` has."""

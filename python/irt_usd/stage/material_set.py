@@ -7,12 +7,11 @@ from typing import Protocol
 
 from pxr import Sdf, Usd, UsdShade
 
-from irt_usd.images.textures import TextureLibrary
 from irt_usd.report import Report
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.diagnostics import attempt
 from irt_usd.stage.display_color import DEFAULT_MATERIAL, DisplayColorSource, default_material
-from irt_usd.stage.graph import DEFAULTS, Surface, TextureReference
+from irt_usd.stage.graph import DEFAULTS, Surface, TextureReference, TextureSource
 from irt_usd.stage.materials import is_materialx, rendered_surface
 from irt_usd.stage.preview_surface import MaterialSource
 from irt_usd.stage.snapshot import MaterialState
@@ -41,13 +40,14 @@ class MaterialSet:
     """Reads the materials that objects wear."""
 
     def __init__(
-        self, stage: Usd.Stage, colors: StageColors, textures: TextureLibrary, report: Report
+        self, stage: Usd.Stage, colors: StageColors, textures: TextureSource, report: Report
     ) -> None:
         self._stage = stage
         self._colors = colors
         self._textures = textures
         self._report = report
         self._sources: dict[str, MaterialLike | None] = {}
+        self._shown: dict[str, frozenset[TextureReference]] = {}
         self._first = True
 
     def bound(self, material: UsdShade.Material | None) -> MaterialLike | None:
@@ -82,6 +82,9 @@ class MaterialSet:
         """Those that may have changed since the last call; at the first, all."""
         sources = [s for s in self._sources.values() if s and (self._first or s.varies)]
         materials = {source.path: self._read(source, time) for source in sources}
+        if materials:
+            self._shown |= {path: state.surface.textures for path, state in materials.items()}
+            self._textures.keep(frozenset().union(*self._shown.values()))
         if self._first:
             materials[DEFAULT_MATERIAL] = default_material()
             self._first = False

@@ -18,6 +18,7 @@ from irt_usd.stage.camera import CameraSource, same_camera
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
+from irt_usd.stage.graph import TextureSource
 from irt_usd.stage.instances import InstancerSource, PrototypeSource
 from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
 from irt_usd.stage.lights import KINDS as LIGHT_KINDS
@@ -63,7 +64,7 @@ class ReadOptions:
     that a dome lights from. `missing_asset`: what becomes of a shot whose files are not all there.
     `render_pass`: the RenderPass (a path or a bare name) whose settings and collections hold.
     `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
-    may take. `textures`: those of another reader of the same stage.
+    may take. `textures`: another source than the files that the stage names.
     """
 
     camera: str | None = None
@@ -73,7 +74,7 @@ class ReadOptions:
     size: tuple[int, int] | None = None
     missing_asset: MissingAsset = "fail"
     texture_memory: int | None = None
-    textures: TextureLibrary | None = None
+    textures: TextureSource | None = None
     settings: str | None = None
     data_window: tuple[float, float, float, float] | None = None
     lock_camera: float | None = None
@@ -163,9 +164,8 @@ class ShotReader:
             self._report.mentioned("no lights that irt renders: a light at the camera instead")
         elif not found.lights:
             self._report.mentioned("no lights that irt renders, and none at the camera")
-        self.textures = options.textures or TextureLibrary(
-            colors.spaces, self._report, options.texture_memory
-        )
+        files = TextureLibrary(colors.spaces, self._report, options.texture_memory)
+        self.textures = options.textures or files
         """The texels of all materials."""
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._level = options.level
@@ -176,7 +176,7 @@ class ShotReader:
             *self._instancers(found.instancers),
         ]
         if options.textures is None:
-            self._find_textures()
+            self._find_textures(files)
         for light in self._lights:
             light.link(source.node.path for source in self._objects)
         self._snapshot: Snapshot | None = None
@@ -381,10 +381,10 @@ class ShotReader:
         self._prototypes[path] = source
         return source
 
-    def _find_textures(self) -> None:
+    def _find_textures(self, files: TextureLibrary) -> None:
         """Looks at the files of all textures. Raises InputError where they are required."""
         references = self._materials.references()
-        self.textures.survey(references, self._stage, self._missing_asset, self._file)
+        files.survey(references, self._stage, self._missing_asset, self._file)
 
     def _read_camera(self, view: int, time: Usd.TimeCode) -> CameraState:
         with usd_errors(f"{self._file}: the camera {self.views[view].camera}"):

@@ -21,7 +21,7 @@ def plain(value: Any) -> Value:
         return value
     if type(value).__module__ == "pxr.Vt":
         return np.asarray(value)
-    if isinstance(value, Gf.Matrix4d):
+    if isinstance(value, (Gf.Matrix3d, Gf.Matrix4d)):
         return matrix_array(value)
     if isinstance(value, Sdf.AssetPath):
         return str(value.path)
@@ -31,8 +31,8 @@ def plain(value: Any) -> Value:
         return str(value)
 
 
-def matrix_array(matrix: Gf.Matrix4d) -> NDArray[np.float64]:
-    """A read-only (4, 4) copy of `matrix`, row-vector convention."""
+def matrix_array(matrix: Gf.Matrix3d | Gf.Matrix4d) -> NDArray[np.float64]:
+    """A read-only square copy of `matrix`, row-vector convention."""
     array = np.array(matrix, dtype=np.float64)
     array.flags.writeable = False
     return array
