@@ -35,6 +35,31 @@ colorspaces:
 """  # noqa: E501
 
 
+TEXTURED = """def Sphere "Globe" (
+    prepend apiSchemas = ["MaterialBindingAPI"]
+)
+{
+    rel material:binding = </M>
+}
+def Material "M"
+{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "T"
+    {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @./skin.1001.png@
+        float3 outputs:rgb
+    }
+}
+"""
+
+
 def png(path: Path) -> np.ndarray:
     image = oiio.ImageInput.open(str(path))
     assert image is not None, path
@@ -89,6 +114,16 @@ def test_previews_by_a_config_of_ones_own(tmp_path: Path, monkeypatch: pytest.Mo
     other = write_stage(tmp_path, stage_of(CAMERA, SCENE, LAMP, stage), "s.usda")
     result = irt("render", other, *render[2:], "-s", "S")
     assert result.exit_code == 0, result.output
+
+
+def test_previews_spare_the_textures_of_the_shot(tmp_path: Path) -> None:
+    image = oiio.ImageBuf(oiio.ImageSpec(2, 2, 3, "uint8"))
+    assert image.write(str(tmp_path / "skin.1001.png"))
+    before = (tmp_path / "skin.1001.png").read_bytes()
+    path = write_stage(tmp_path, stage_of(CAMERA, LAMP, SCENE, TEXTURED))
+    given = (*SIZE, "-f", "1001", "-o", str(tmp_path / "skin.####.exr"), "--preview")
+    assert "skin.1001.png: would overwrite" in failure("render", path, *given)
+    assert (tmp_path / "skin.1001.png").read_bytes() == before
 
 
 def test_display_and_view_are_of_previews(tmp_path: Path) -> None:

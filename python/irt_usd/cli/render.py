@@ -163,7 +163,7 @@ def render(
     if not wanted:
         return
     note = say if is_verbose() and not quiet else lambda _: None
-    kept = shot.layer_files
+    kept = shot.read_files
     files = [file for _, files in wanted for file in files]
     if shown is not None:
         files += [preview_path(file) for file in files]

@@ -69,7 +69,7 @@ def verify(
         check_film_size(view.framing.size, settings.aovs or ())
     if json_path is not None:
         note = click.echo if is_verbose() else lambda _: None
-        prepare_output([json_path], "--json", note, shot.layer_files)
+        prepare_output([json_path], "--json", note, shot.read_files)
     if shot.moves and not quiet:
         click.echo(motion_line(shot))
     with shot_progress(len(shot.frames) * len(shot.views), TABLE_HEADER, quiet) as progress:

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from irt_usd.errors import InputError
 from irt_usd.images.color import display_config, display_processor
 
+_BRIGHTEST = 65504.0
+"""What stands for infinity: the greatest half."""
+
 
 @dataclass(frozen=True)
 class DisplayView:
@@ -26,7 +29,7 @@ class DisplayView:
         """Display values of `beauty` (height, width, 4), premultiplied: over black."""
         import PyOpenColorIO as ocio  # noqa: N813
 
-        finite = np.nan_to_num(beauty[..., :3], nan=0.0, posinf=0.0, neginf=0.0)
+        finite = np.nan_to_num(beauty[..., :3], nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
         pixels = np.ascontiguousarray(finite, np.float32)
         height, width, _ = pixels.shape
         self.processor.apply(ocio.PackedImageDesc(pixels, width, height, 3))

@@ -125,6 +125,12 @@ class TextureLibrary:
         return s, t
 
     @property
+    def files(self) -> list[str]:
+        """What the textures are read from."""
+        images = (image for image in self._images.values() if image is not None)
+        return [file for image in images for _, _, file in image.tiles]
+
+    @property
     def dropped(self) -> dict[str, int]:
         """How many of their finest levels files have lost to the limit."""
         return {reference.file: count for reference, count in self._dropped.items() if count}

@@ -126,11 +126,14 @@ def prepare_output(
     Folders that are not there are created, unless `make_folders` is false; `note` is told of each.
     `kept` are files that must not be written over. Raises InputError naming what stands in the way.
     """
+    names = {followed(other): other for other in kept}
+    ids = {_file_id(other): other for other in kept}
+    ids.pop(None, None)
     for path in paths:
         _refuse_other_than_file(path, option)
-        for other in kept:
-            if _same_file(path, other):
-                raise InputError(f"{option} {path}: would overwrite {other}; give another name")
+        overwritten = names.get(followed(path)) or ids.get(_file_id(path))
+        if overwritten is not None:
+            raise InputError(f"{option} {path}: would overwrite {overwritten}; give another name")
     for folder in dict.fromkeys(followed(path).parent for path in paths):
         try:
             if not folder.exists():
@@ -160,7 +163,10 @@ def _refuse_other_than_file(path: Path, option: str) -> None:
         raise InputError(f"{option} {path}: {error.strerror}; give another name") from error
 
 
-def _same_file(path: Path, other: Path) -> bool:
-    return followed(path) == followed(other) or (
-        path.exists() and other.exists() and path.samefile(other)
-    )
+def _file_id(path: Path) -> tuple[int, int] | None:
+    """What hard links to a file share; None where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino

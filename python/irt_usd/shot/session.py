@@ -62,9 +62,10 @@ class Shot:
         return tuple(frame for frame in self.frames if frame in moving)
 
     @property
-    def layer_files(self) -> list[Path]:
-        """The files the stage is composed of."""
-        return [Path(layer.realPath) for layer in self.stage.GetUsedLayers() if layer.realPath]
+    def read_files(self) -> list[Path]:
+        """The files that the shot is read from: layers and textures."""
+        layers = [layer.realPath for layer in self.stage.GetUsedLayers() if layer.realPath]
+        return [Path(file) for file in (*layers, *self.reader.textures.files)]
 
     def reread(self) -> ShotReader:
         """Another reader of the same frames, which reports to nobody and decodes no textures."""
