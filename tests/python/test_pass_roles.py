@@ -144,3 +144,13 @@ def test_roles_of_an_array_are_those_of_all_its_entries() -> None:
         renderer.validate()
         assert scenes.film_bits(renderer) == scenes.film_bits(film(state))
         assert (ids(renderer) == ids(absent)).all() == (not role[0])
+
+
+def test_what_passed_a_cut_out_may_pass_glass_then() -> None:
+    """The ray is the same, and no camera ray any more: it sees what the camera does not."""
+    hide: list[Edit] = [("bind", "/d", "/leaf"), ("role", "/b", (False, False))]
+    hide += [("role", name, (False, False)) for name in ("/a", "/c", "/e", "/floor")]
+    clear = {"opacity": 0.2, "opacity_threshold": 0.0, "ior": 1.0, "roughness": 0.0}
+    glass: list[Edit] = [("look", "/leaf", clear)]
+    back: list[Edit] = [("look", "/leaf", {"opacity_threshold": 0.5})]
+    edits.play(edits.Shot("crowd", [hide, glass, back, glass, back], samples=4))

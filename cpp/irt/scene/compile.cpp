@@ -348,6 +348,7 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
     for (const Part& part : prototype.parts) {
         const std::string part_path = path + "/" + part.name;
         check_constant(part.primvars, part_path);
+        out->mattes = out->mattes || part.role.matte;
         if (const auto* array = std::get_if<std::shared_ptr<const InstanceArray>>(&part.geometry)) {
             if ((*array)->size() == 0) continue;
             out->arrays.push_back(
@@ -374,8 +375,10 @@ std::shared_ptr<const CompiledPrototype> compile_prototype(const Prototype& prot
             const trace::Box& box = array.prototype(entry).box;
             if (!box.empty()) out->box.extend(transformed(box, array.outer_from_prototype(entry)));
         }
-        for (const auto& nested : array.prototypes)
+        for (const auto& nested : array.prototypes) {
             materials.insert(materials.end(), nested->materials.begin(), nested->materials.end());
+            out->mattes = out->mattes || nested->mattes;
+        }
     }
     out->parts = static_cast<std::uint32_t>(parts);
     std::sort(materials.begin(), materials.end());

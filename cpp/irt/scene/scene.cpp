@@ -449,7 +449,7 @@ M44d Scene::render_from_trace(std::uint32_t slot, std::uint32_t part) const {
 bool Scene::matte(std::uint32_t slot, std::uint32_t part) const {
     if (object(slot).record.role.matte) return true;
     const CompiledPrototype* shared = prototype(slot);
-    if (!shared) return false;
+    if (!shared || !shared->mattes) return false;
     bool within = false;
     const Surface& surface =
         shared->part(part, [&](const NestedArray& array, std::uint32_t /*entry*/) {

@@ -80,6 +80,7 @@ struct CompiledPrototype {
     std::uint32_t parts = 0;               ///< numbers in use, and some that are not
     trace::Box box;                        ///< of all parts, in the prototype's space
     std::vector<std::uint32_t> materials;  ///< slots of all that show, increasing
+    bool mattes = false;                   ///< some part is matte
 
     /// Where a part that is no surface lies: array, entry, and number within the entry's prototype.
     struct Located {
