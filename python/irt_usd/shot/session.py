@@ -65,7 +65,7 @@ class Shot:
     def read_files(self) -> list[Path]:
         """The files that the shot is read from: layers and textures."""
         layers = [layer.realPath for layer in self.stage.GetUsedLayers() if layer.realPath]
-        return [Path(file) for file in (*layers, *self.reader.textures.files)]
+        return [Path(file) for file in (*layers, *self.reader.texture_files)]
 
     def reread(self) -> ShotReader:
         """Another reader of the same frames, which reports to nobody and decodes no textures."""

@@ -177,6 +177,8 @@ class ShotReader:
         ]
         if options.textures is None:
             self._find_textures(files)
+        self.texture_files = files.files
+        """What textures are read from, unless another source was given."""
         for light in self._lights:
             light.link(source.node.path for source in self._objects)
         self._snapshot: Snapshot | None = None
