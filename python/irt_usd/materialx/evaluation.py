@@ -44,7 +44,7 @@ class Evaluation:
         if isinstance(port, Link):
             return self._output(port)
         if name in step.unset:
-            return self.geometry(step.unset[name])
+            return self._geometry(step.unset[name], step.path)
         read = port.read(self._time)
         kind = _input_type(step, name)
         if kind in _COLORS and isinstance(read, tuple):
@@ -113,7 +113,7 @@ class Evaluation:
     def _port(self, port: Port) -> Value:
         return self._output(port) if isinstance(port, Link) else _constant(port.read(self._time))
 
-    def geometry(self, name: str) -> Value:
+    def _geometry(self, name: str, path: str) -> Value:
         """What the geometry gives to inputs without a value."""
         if name.startswith("UV"):
             index = name.removeprefix("UV")
@@ -121,6 +121,7 @@ class Evaluation:
         kind = _GEOMETRY.get(name[:1])
         if kind is not None:
             return geometry(self.expressions, kind, name[1:])
+        self._report.unsupported(f"MaterialX's {name} of the geometry (0 rendered)", path)
         return constant(0.0)
 
     def image(self, step: Step) -> Value:
@@ -171,9 +172,6 @@ class _StepInputs:
 
     def matrix(self, name: str) -> Matrix:
         return self._evaluation.matrix(self._step, name)
-
-    def geometry(self, name: str) -> Value:
-        return self._evaluation.geometry(name)
 
     def frame(self) -> float:
         return self._evaluation.frame

@@ -43,8 +43,5 @@ class Inputs(Protocol):
     def image(self) -> Value:
         """The texture that an image node reads."""
 
-    def geometry(self, name: str) -> Value:
-        """What the geometry gives: UV0, Pobject, Nworld and the like."""
-
     def frame(self) -> float:
         """The frame that is rendered."""
