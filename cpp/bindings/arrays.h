@@ -9,6 +9,10 @@
 
 #include "irt/math/vec.h"
 
+namespace irt {
+class Renderer;
+}
+
 namespace irt::bindings {
 
 namespace py = pybind11;
@@ -55,6 +59,7 @@ py::array read_only(const py::object& owner, const T* data, std::vector<py::ssiz
 void bind_materials(py::module_& module);
 void bind_records(py::module_& module);
 void bind_renderer(py::module_& module);
+void bind_checkpoint(py::module_& module, py::class_<Renderer>& renderer);
 void bind_bench(py::module_& module);
 
 }  // namespace irt::bindings

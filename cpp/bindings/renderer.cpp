@@ -53,9 +53,10 @@ std::unique_ptr<Renderer> make_renderer(const Camera& camera, const ViewSettings
         std::array<bool, cells::cell_count> seen{};
         for (const int cell : *cell_order) {
             if (cell < 0 || cell >= cells::cell_count || seen[static_cast<std::size_t>(cell)])
-                throw py::value_error("cell_order must be a permutation of range(64)");
+                throw py::value_error("cell_order must be of cells 0 to 63, each once");
             seen[static_cast<std::size_t>(cell)] = true;
         }
+        if (cell_order->empty()) throw py::value_error("cell_order must name a cell");
         options.cell_order = *cell_order;
     }
     return std::make_unique<Renderer>(camera, settings, options);
@@ -185,7 +186,8 @@ void bind_renderer(py::module_& module) {
     py::class_<Foreseen, std::shared_ptr<Foreseen>>(module, "Foreseen")
         .def(py::init<const ChangeSet&>(), py::arg("initial"))
         .def("add", &Foreseen::add, py::arg("changes"));
-    py::class_<Renderer>(module, "Renderer")
+    py::class_<Renderer> renderer(module, "Renderer");
+    renderer
         .def(py::init(&make_renderer), py::arg("camera"), py::arg("settings"), py::kw_only(),
              py::arg("render_origin") = py::none(), py::arg("isa") = "avx2", py::arg("threads") = 0,
              py::arg("history") = true, py::arg("cost_model") = true,
@@ -221,6 +223,7 @@ void bind_renderer(py::module_& module) {
         .def("aov", &aov_array, py::arg("name"), py::arg("view") = 0)
         .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"), py::arg("view") = 0)
         .def("validate", &Renderer::validate);
+    bind_checkpoint(module, renderer);
 }
 
 }  // namespace irt::bindings

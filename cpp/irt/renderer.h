@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "irt/checkpoint/arrays.h"
 #include "irt/math/float_state.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/intersector.h"
@@ -65,6 +66,16 @@ class Renderer {
     std::vector<UpdateReport> update(const ChangeSet& changes, const std::vector<ViewUpdate>& views,
                                      cells::Control& control);
 
+    /// Gathers what a checkpoint holds: films, histories and what they refer to. It must be written
+    /// before the next update. Throws std::logic_error unless every film is that of the scene.
+    void save(checkpoint::ArrayWriter& arrays) const;
+    /// Makes this renderer, which has rendered nothing, the one that was saved, as far as films,
+    /// histories and later updates go. `scene` is the change set that makes that one's scene from
+    /// nothing; the views and options must be its own, and the `foreseen`. Throws
+    /// std::runtime_error where `arrays` are not of that scene, or not whole; the renderer is then
+    /// of no further use.
+    void restore(const ChangeSet& scene, checkpoint::ArrayReader& arrays);
+
     [[nodiscard]] const film::Film& film(std::size_t view = 0) const {
         return views_.at(view)->view.film();
     }
@@ -88,6 +99,8 @@ class Renderer {
         std::vector<LightSlot> old_lights;
         bool first, foreseen;
     };
+    template <class Archive, class State>
+    static void archive(Archive& to, const std::string& name, State& state);
     Renderer(const FloatState& while_constructing, const Camera& camera,
              const ViewSettings& settings, const RendererOptions& options);
     void update_view(ViewState& state, const SceneUpdate& scene, bool was_current,

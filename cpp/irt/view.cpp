@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -264,7 +265,11 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
                             cells::Control& control, CellReports& reports) {
     has_history_ = false;
     if (!history_) history_ = std::make_unique<History>();
-    for (history::RayTrees& cell : history_->cells) cell = history::RayTrees();
+    for (history::RayTrees& cell : history_->cells) {
+        // Assigning would leave the arrays what they have of a block that is opened again.
+        std::destroy_at(&cell);
+        std::construct_at(&cell);
+    }
     std::vector<trace::Box> boxes;
     for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot)
         if (const trace::Box box = intersector.box(slot); !box.empty()) boxes.push_back(box);
@@ -286,7 +291,7 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     for (std::size_t k = 0; k < cells::cell_count; ++k)
         cells.emplace_back(shading, intersector, nothing, history_->table, history_->cells[k],
                            history_->lists[k]);
-    const int groups = std::min(cells::thread_count(threads), cells::cell_count);
+    const int groups = std::min(cells::thread_count(threads), static_cast<int>(order.size()));
     control.steps = 2 * groups * block_rows(settings_);
     std::atomic<std::size_t> blocks = 0;
     cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
@@ -384,7 +389,7 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
 
     // All cells hold alike, so that one tells what all will cost (paper, section 5).
     const auto pilot = static_cast<std::size_t>(order.front());
-    const bool piloted = heavy_count == cells::cell_count;
+    const bool piloted = heavy_count == static_cast<int>(order.size());
     if (piloted) {
         run(cells[pilot], reports[pilot]);
         if (update::work(cells[pilot].counts()) >

@@ -83,6 +83,11 @@ class View {
     void nothing_retraced() { film_.clear_retraced(); }
 
     [[nodiscard]] bool has_history() const { return has_history_; }
+
+    /// For checkpoints (checkpoint/arrays.h): film and history. The camera, the settings and what
+    /// follows from them are the maker's.
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self);
     /// What the history holds, cells and table together.
     [[nodiscard]] HistorySize history_size() const;
     /// Distinct paths in the history's table.

@@ -382,7 +382,8 @@ class Renderer:
         trace. `cost_model` False: updates are never given up for full traces that would cost less.
         `foreseen`: what can ever change, None: anything; of rays that nothing of it can reach no
         history is kept, and an update that changes something else starts again.
-        `cell_order`: a permutation of range(64), for tests."""
+        `cell_order`: the cells that are rendered, in the order in which they are handed out, which
+        shows in no result; by default all of 0 to 63. Pixels of others stay black."""
     def update(
         self,
         changes: ChangeSet,
@@ -424,6 +425,59 @@ class Renderer:
     def validate(self) -> None:
         """For tests: checks the history that the last update left, entry by entry, and the film
         against it. Raises RuntimeError naming the first invariant that is broken, and where."""
+
+    def save(self, arrays: ArrayWriter) -> None:
+        """Adds what a checkpoint holds: films, histories and what they refer to. It is to be
+        written before the next update."""
+    def restore(
+        self, scene: ChangeSet, file: MappedFile, arrays: Mapping[str, tuple[int, int, int]]
+    ) -> None:
+        """Makes this renderer, which has rendered nothing, the one that was saved. `scene` makes
+        that one's scene from nothing; options and views are to be its own. `arrays`: item size,
+        count and offset in the file by name. Raises RuntimeError, naming the array that is missing
+        or of another scene; the renderer is then of no further use."""
+
+class ArrayWriter:
+    """Arrays on their way to a file."""
+
+    def __init__(self) -> None: ...
+    def add(self, name: str, array: NDArray[Any]) -> None:
+        """A contiguous array, which is copied."""
+    def directory(self) -> list[tuple[str, str, int, int, int]]:
+        """Name, numpy's type, item size, count and offset of each."""
+    def size(self) -> int:
+        """Bytes in all."""
+    def write(self, path: str, header: str) -> None:
+        """Writes the file: beside, synced, renamed. Raises OSError; then `path` is as it was."""
+    def write_in_background(self, path: str, header: str) -> BackgroundWrite:
+        """The same by a child process, with everything as it is now."""
+
+class BackgroundWrite:
+    """A file on its way to the disk; letting go of it ends it."""
+
+    def done(self) -> bool: ...
+    def cancel(self) -> None: ...
+    def result(self) -> int:
+        """Once done: 0, or the system's error number, or -1 where it was ended by force."""
+
+class MappedFile:
+    """A file of arrays in memory. Raises OSError where it cannot be read, RuntimeError where its
+    preamble, header or size do not hold."""
+
+    def __init__(self, path: str) -> None: ...
+    def header(self) -> bytes: ...
+    def data(self) -> NDArray[np.uint8]:
+        """The mapped data; read-only, not copied."""
+    def damaged(self, threads: int = 0) -> list[int]:
+        """Numbers of the blocks that differ from their hashes."""
+
+CHECKPOINT_BLOCK: int
+
+def file_hash(path: str) -> str:
+    """xxh3, 128 bit, of a file's bytes, as 32 hex digits. Raises OSError."""
+
+def bytes_hash(data: bytes) -> str:
+    """The same of bytes."""
 
 def numeric_fingerprint(isa: str = "avx2") -> str:
     """Hash over fixed rays and libm calls (DESIGN 3, rule 11), as 16 hex digits."""

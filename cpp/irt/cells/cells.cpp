@@ -32,7 +32,7 @@ oneapi::tbb::task_arena& arena(int slots) {
 }  // namespace
 
 CellOrder natural_order() {
-    CellOrder order;
+    CellOrder order(cell_count);
     std::iota(order.begin(), order.end(), 0);
     return order;
 }
@@ -55,9 +55,10 @@ void for_each_task(int threads, int count, const std::function<void(int task)>& 
 
 void for_each_group(int threads, int groups, const CellOrder& order,
                     const std::function<void(CellGroup group)>& body) {
-    const int count = std::clamp(groups, 1, cell_count);
-    const auto first_of = [count](int group) {
-        return static_cast<std::size_t>(group * cell_count / count);
+    const auto cells = static_cast<int>(order.size());
+    const int count = std::clamp(groups, 1, cells);
+    const auto first_of = [=](int group) {
+        return static_cast<std::size_t>(group * cells / count);
     };
     for_each_task(threads, count, [&](int g) {
         body(CellGroup(order).subspan(first_of(g), first_of(g + 1) - first_of(g)));

@@ -3,11 +3,11 @@
 // (section 5; DESIGN 6).
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 namespace irt::cells {
 
@@ -36,9 +36,10 @@ struct Control {
     }
 };
 
-/// A permutation of the cells: the order in which they are handed out. It shows in no result.
-using CellOrder = std::array<int, cell_count>;
-CellOrder natural_order();
+/// The cells that are rendered, each once, in the order in which they are handed out. The order
+/// shows in no result; pixels of other cells stay black.
+using CellOrder = std::vector<int>;
+CellOrder natural_order();  ///< all of them
 
 /// Cells that one task runs together. In natural order their pixels are neighbours, so that their
 /// rays meet the same parts of the scene.
@@ -51,8 +52,8 @@ int thread_count(int threads);
 /// machine), every one in IEEE default floating-point state. A thread that is done takes the next.
 void for_each_task(int threads, int count, const std::function<void(int task)>& body);
 
-/// Splits the cells into `groups` of as equal a size as can be and runs `body(group)` for each on
-/// `threads` threads as tasks. Cells share no pixel and no tree.
+/// Splits the cells of `order` into `groups` of as equal a size as can be and runs `body(group)`
+/// for each on `threads` threads as tasks. Cells share no pixel and no tree.
 void for_each_group(int threads, int groups, const CellOrder& order,
                     const std::function<void(CellGroup group)>& body);
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,6 +57,26 @@ class Film {
     [[nodiscard]] const float* retraced() const { return retraced_.data(); }
     [[nodiscard]] const V3f* vectors(Aov aov) const;  ///< Normal, Position or Albedo
     [[nodiscard]] const std::uint32_t* object_id() const { return object_id_.data(); }
+
+    /// For checkpoints (checkpoint/arrays.h): the pixels; which AOVs there are is the maker's.
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [width, height, has, shows_surfaces, beauty, depth, retraced, normal, position,
+               albedo, object_id] = self;
+        const auto plane = [&](const char* what, auto& pixels) {
+            const std::size_t size = pixels.size();
+            to.array(name + what, pixels);
+            if (pixels.size() != size)
+                throw std::runtime_error(name + what + ": is of another film");
+        };
+        plane("beauty", beauty);
+        plane("depth", depth);
+        plane("retraced", retraced);
+        plane("normal", normal);
+        plane("position", position);
+        plane("albedo", albedo);
+        plane("object_id", object_id);
+    }
 
   private:
     int width_, height_;

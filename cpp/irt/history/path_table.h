@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "irt/history/voxel_grid.h"
@@ -63,6 +65,31 @@ class PathTable {
     [[nodiscard]] std::size_t entries() const;
     [[nodiscard]] std::size_t bytes() const {
         return capacity_ * sizeof(Path) + flags_.size() * sizeof(std::uint32_t);
+    }
+
+    /// For checkpoints (checkpoint/arrays.h). Flags and answers are not kept: each update, and each
+    /// recording, makes its own.
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [grid, capacity, paths, reaches, flags] = self;
+        static_assert(sizeof(std::atomic<Path>) == sizeof(Path));
+        if constexpr (Archive::reads) {
+            VoxelGrid kept;
+            VoxelGrid::archive(to, name + "grid.", kept);
+            std::vector<Path> places;
+            to.array(name + "paths", places);
+            if (!std::has_single_bit(places.size()))
+                throw std::runtime_error(name + "paths: holds no power of two");
+            self.reset(kept, places.size() / 2, false);
+            if (capacity != places.size())
+                throw std::runtime_error(name + "paths: is of a size that no table has");
+            for (std::size_t i = 0; i < places.size(); ++i)
+                paths[i].store(places[i], std::memory_order_relaxed);
+        } else {
+            VoxelGrid::archive(to, name + "grid.", grid);
+            to.array(name + "paths",
+                     std::span(reinterpret_cast<const Path*>(paths.get()), capacity));
+        }
     }
 
   private:

@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <memory_resource>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -191,5 +193,56 @@ struct RayTrees {
 
 /// No material, as a bit's number.
 inline constexpr std::uint8_t no_material_bit = 64;
+
+/// For checkpoints (checkpoint/arrays.h). Reading fills `trees`, made under no lights; its arrays
+/// draw from `memory`.
+template <class Archive, class Trees>
+void archive(Archive& to, const std::string& name, Trees& trees,
+             std::pmr::memory_resource* memory = std::pmr::get_default_resource()) {
+    auto& [roots, settled, settled_count, settled_rays, nodes, paths, marks, points, behind,
+           material_bits, columns, emits, lights, free_nodes, free_points, shadow_rays,
+           root_reach] = trees;
+    std::vector<std::uint8_t> shadows;
+    if constexpr (Archive::reads) {
+        to.array(name + "lights", shadows);
+        // Assigning would leave the arrays the memory they had.
+        std::destroy_at(&trees);
+        std::construct_at(&trees, std::vector<bool>(shadows.begin(), shadows.end()), false, memory);
+    } else {
+        for (const LightNodes& light : lights) shadows.push_back(light.casts_shadows);
+        to.copied(name + "lights", shadows);
+    }
+    if constexpr (Archive::reads) {
+        settled.resize(to.count(name + "settled"));
+        columns.clear();
+        while (columns.size() < to.count(name + "columns")) columns.emplace_back(memory);
+    }
+    to.value(name + "settled_count", settled_count);
+    to.value(name + "settled_rays", settled_rays);
+    to.value(name + "emits", emits);
+    to.value(name + "shadow_rays", shadow_rays);
+    to.value(name + "root_reach", root_reach);
+    to.array(name + "roots", roots);
+    to.arrays(
+        name + "settled", settled.size(), [&](std::size_t i) -> auto& { return settled[i]; });
+    to.array(name + "nodes", nodes);
+    to.array(name + "paths", paths);
+    to.array(name + "marks", marks);
+    to.array(name + "points", points);
+    to.array(name + "behind", behind);
+    to.array(name + "material_bits", material_bits);
+    to.arrays(
+        name + "columns", columns.size(), [&](std::size_t i) -> auto& { return columns[i]; });
+    to.arrays(
+        name + "light_paths", lights.size(), [&](std::size_t i) -> auto& {
+            auto& [casts_shadows, light_paths, occlusions] = lights[i];
+            return light_paths;
+        });
+    to.arrays(
+        name + "occlusions",
+        lights.size(), [&](std::size_t i) -> auto& { return lights[i].occlusions; });
+    to.array(name + "free_nodes", free_nodes);
+    to.array(name + "free_points", free_points);
+}
 
 }  // namespace irt::history

@@ -6,6 +6,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "irt/math/vec.h"
@@ -111,6 +112,14 @@ class VoxelGrid {
     [[nodiscard]] V3d in_voxels(const V3d& p) const {
         return {(p.x - box_.lower.x) * per_unit_.x, (p.y - box_.lower.y) * per_unit_.y,
                 (p.z - box_.lower.z) * per_unit_.z};
+    }
+
+    /// For checkpoints (checkpoint/arrays.h).
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [box, per_unit] = self;
+        to.value(name + "box", box);
+        to.value(name + "per_unit", per_unit);
     }
 
   private:

@@ -193,6 +193,33 @@ struct AppliedChanges {
     }
 };
 
+/// Who has which number: what every name a scene has known, dead ones too, keeps for its life.
+struct SceneNames {
+    /// Keys of an array's entries, `count` of both in a row.
+    struct Keys {
+        std::int64_t key;
+        std::uint32_t object, slot, count, unused = 0;
+    };
+    std::vector<char> objects;         ///< paths by index, each ended by a zero
+    std::vector<std::uint8_t> arrays;  ///< by index: whether it is an array
+    std::vector<std::uint32_t> slots;  ///< by slot: the index
+    std::vector<Keys> keys;
+    std::vector<char> materials;  ///< names by slot, each ended by a zero
+
+    bool operator==(const SceneNames& other) const;
+
+    /// For checkpoints (checkpoint/arrays.h).
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [of_objects, is_array, of_slots, of_keys, of_materials] = self;
+        to.array(name + "objects", of_objects);
+        to.array(name + "arrays", is_array);
+        to.array(name + "slots", of_slots);
+        to.array(name + "keys", of_keys);
+        to.array(name + "materials", of_materials);
+    }
+};
+
 class Scene {
   public:
     /// `render_origin`: world position that becomes the origin of render space (DESIGN 5).
@@ -267,6 +294,11 @@ class Scene {
     [[nodiscard]] const std::vector<MaterialSlot>& materials() const { return materials_; }
     /// In path order, lights of no energy left out (DESIGN 3, rule 3).
     [[nodiscard]] const std::vector<LightSlot>& lights() const { return lights_; }
+    [[nodiscard]] SceneNames names() const;
+    /// Gives numbers to the names of another scene, as there, none of which is live. Only before
+    /// the first change set. Throws std::runtime_error where that is no scene's.
+    void adopt(const SceneNames& names);
+
     /// Counts applied change sets that changed anything.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 

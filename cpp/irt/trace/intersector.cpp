@@ -289,6 +289,13 @@ void Intersector::commit(const Scene& scene, const std::vector<std::uint32_t>& c
     impl_->trees.commit(scene, changed);
 }
 
+TreesState Intersector::state() const { return impl_->trees.state(); }
+
+void Intersector::commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
+                         const TreesState& state) {
+    impl_->trees.commit(scene, changed, state);
+}
+
 void Intersector::search_nearest(const Ray& ray, unsigned which, Hit& best, Hit* behind,
                                  QueryCounts& counts) const {
     const Trees& trees = impl_->trees;

@@ -25,6 +25,24 @@ struct TreeOptions {
     std::uint32_t split_seed = 0;
 };
 
+/// What a history refers to of the trees it was recorded with.
+struct TreesState {
+    std::uint32_t epoch = 0;
+    V3d centre{0, 0, 0};  ///< of the frame
+    double half = 0;
+    std::vector<std::uint8_t> moves;  ///< by slot: in the dynamic set
+
+    /// For checkpoints (checkpoint/arrays.h).
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [at_epoch, frame_centre, frame_half, dynamic] = self;
+        to.value(name + "epoch", at_epoch);
+        to.value(name + "centre", frame_centre);
+        to.value(name + "half", frame_half);
+        to.array(name + "moves", dynamic);
+    }
+};
+
 class Intersector {
   public:
     /// `isa` is one of Embree's names: sse2, sse4.2, avx, avx2, avx512.
@@ -38,6 +56,11 @@ class Intersector {
     /// Brings the trees up to `scene`, of which only the objects in `changed` (slots) differ from
     /// the last commit. `scene` must outlive the queries. Unchanged meshes keep their trees.
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed);
+    [[nodiscard]] TreesState state() const;
+    /// The first commit, to trees whose dynamic set, epoch and frame are those of `state`. Throws
+    /// std::runtime_error where that has other slots.
+    void commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
+                const TreesState& state);
     /// Lets go of what the trees still hold of objects that shade otherwise where hit as before.
     void release_meshes(const std::vector<std::uint32_t>& rebound);
 

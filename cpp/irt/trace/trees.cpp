@@ -392,8 +392,8 @@ void Trees::release_meshes(const std::vector<std::uint32_t>& rebound) {
             shape->triangles = scene_->object(slot).surface.triangles;
 }
 
-void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed) {
-    const bool first = scene_ == nullptr;
+/// Takes up what changed; the result says by slot what that is. The trees are to be built next.
+std::vector<bool> Trees::take(const Scene& scene, const std::vector<std::uint32_t>& changed) {
     scene_ = &scene;
     moving_.reset();  // first: it refers to shapes that go
     objects_.resize(scene.all_objects().size());
@@ -410,11 +410,36 @@ void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed
     }
     for (const auto& [index, slots] : arrays) take_entries(index, slots, hot);
     std::erase_if(groups_, [](const auto& entry) { return entry.second.expired(); });
+    return hot;
+}
+
+void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed) {
+    const bool first = scene_ == nullptr;
+    const std::vector<bool> hot = take(scene, changed);
     const bool refit = fit_frame();
     if (first)
         build_still(std::vector<bool>(hot.size(), false));
     else if (refit || fold_is_due(hot))
         build_still(hot);
+    build_moving();
+}
+
+TreesState Trees::state() const {
+    return {epoch_, frame_.centre, frame_.half, {moves_.begin(), moves_.end()}};
+}
+
+void Trees::commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
+                   const TreesState& state) {
+    if (state.moves.size() != scene.slot_count())
+        throw std::runtime_error("trees: of a scene with other slots");
+    frame_.centre = state.centre;
+    frame_.half = state.half;
+    take(scene, changed);
+    fit_frame();
+    const std::vector<bool> moves(state.moves.begin(), state.moves.end());
+    build_still(moves);
+    moves_ = moves;  // of names that are gone, too
+    epoch_ = state.epoch;
     build_moving();
 }
 

@@ -102,6 +102,9 @@ class Trees {
     Trees(const std::string& isa, int threads, TreeOptions options);
 
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed);
+    void commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
+                const TreesState& state);
+    [[nodiscard]] TreesState state() const;
     void release_meshes(const std::vector<std::uint32_t>& rebound);
 
     [[nodiscard]] const Scene* scene() const { return scene_; }
@@ -139,6 +142,7 @@ class Trees {
     std::shared_ptr<const Group> group_of(const std::shared_ptr<const CompiledPrototype>& key);
     void attach_geometry(Shape& shape, const Frame& frame);
     TreeHandle build(const std::vector<const Shape*>& shapes);
+    std::vector<bool> take(const Scene& scene, const std::vector<std::uint32_t>& changed);
     void take_object(std::uint32_t slot);
     void take_entries(std::uint32_t index, const std::vector<std::uint32_t>& changed,
                       const std::vector<bool>& hot);

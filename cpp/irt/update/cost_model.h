@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "irt/update/cell_update.h"
 
@@ -38,6 +39,14 @@ class Backoff {
         if (wait_ == 0) return true;
         --wait_;
         return false;
+    }
+
+    /// For checkpoints (checkpoint/arrays.h).
+    template <class Archive, class Self>
+    static void archive(Archive& to, const std::string& name, Self& self) {
+        auto& [failures, wait] = self;
+        to.value(name + "failures", failures);
+        to.value(name + "wait", wait);
     }
 
   private:
