@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# make setup | demo | test | check | format | bench | fuzz | mutants | ablation | voxel-walk |
-#     exact-hits | materialx-pictures | fingerprint | clean
+# make setup | demo | test | check | format | bench | fuzz | mutants | ablation | torture |
+#     voxel-walk | exact-hits | materialx-pictures | fingerprint | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -16,7 +16,7 @@ VENV := .venv
 BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
-.PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz \
+.PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz torture \
     mutants ablation voxel-walk exact-hits materialx-pictures numerics sanitize fingerprint clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
@@ -110,6 +110,11 @@ bench: setup
 FUZZ :=
 fuzz: setup
 	@$(VENV)/bin/python tests/python/fuzz.py $(FUZZ)
+
+## Jobs killed, starved and damaged until they are done; TORTURE="--runs 1000 --seed 2" for more.
+TORTURE :=
+torture: setup
+	@$(VENV)/bin/python tests/python/torture.py $(TORTURE)
 
 # A build of its own, whose faults and ablations (cpp/irt/mutant.h) the environment switches on.
 MUTANTS := build/mutants

@@ -8,6 +8,11 @@ MissingAsset = Literal["fail", "fallback", "warn"]
 
 MISSING_ASSET: tuple[MissingAsset, ...] = get_args(MissingAsset)
 
+ProgressFormat = Literal["openjd", "alf", "json", "bar", "none"]
+"""Whose lines tell how far a shot is; bar: a live one on a terminal, plain lines elsewhere."""
+
+PROGRESS: tuple[ProgressFormat, ...] = get_args(ProgressFormat)
+
 COMPLEXITY = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
 """How often subdivision faces and pieces of cubic curves are cut, by usdrecord's names."""
 

@@ -94,7 +94,7 @@ def test_statistics(shot: str, tmp_path: Path) -> None:
         assert len(frame["cells"]["rays"]) == 64
         assert frame["file"].endswith(f"b.{frame['frame']:04d}.exr")
         assert frame["time_code"] == float(frame["frame"])
-        assert frame["history"] == "full"
+        assert frame["history"] == "shot"
     assert frames[2]["retraced_rays"] == 0
     assert frames[2]["changes"] == {"summary": "nothing", "count": 0, "camera": False}
     assert frames[1]["changes"]["count"] == 1

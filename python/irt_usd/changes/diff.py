@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two snapshots to a change list. Only states that are not the same objects are looked into."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import compress
@@ -57,6 +57,32 @@ class _Pair(Generic[_S]):
     old: _S | None
     new: _S | None
     differences: list[_Difference]
+
+
+def whole_changes(old: Snapshot, new: Snapshot) -> "_core.ChangeSet":
+    """All of `new`, and removals of what `old` alone has, for the core to compare by value.
+
+    Of two readings of different stages: what one text names may lie in different files.
+    """
+    found = ChangeList(None, new)
+    changes = found.core
+    kinds: tuple[tuple[Mapping[str, State], Mapping[str, State], Callable[[str], None]], ...] = (
+        (old.materials, new.materials, changes.remove_material),
+        (old.objects, new.objects, changes.remove_object),
+        (old.lights, new.lights, changes.remove_light),
+    )
+    for before, after, remove in kinds:
+        left = {name for state in after.values() for name in _names(state)}
+        for state in before.values():
+            for name in _names(state):
+                if name not in left:
+                    remove(name)
+    return changes
+
+
+def _names(state: State) -> list[str]:
+    """Of the core's records."""
+    return state.names() if isinstance(state, LightState) else [state.path]
 
 
 class ChangeList:

@@ -31,7 +31,7 @@ def dry_run(shot: "Shot", wanted: Sequence[tuple["Frame", tuple[Path, ...]]], hi
         name = format_frame(frame)
         shot.report.enforce(f"frame {name} cannot be rendered whole")
         say_notices(shot.report.take_new())
-        changes = diff(previous if history == "full" else None, snapshot)
+        changes = diff(previous if history != "none" else None, snapshot)
         previous = snapshot
         traced = _traced(changes)
         listed = ", ".join(_file(path) for path in files)

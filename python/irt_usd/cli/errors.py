@@ -26,6 +26,9 @@ _NO_USD = (
 STATUS_DIFFERENT = 4
 """A verification found a difference."""
 
+STATUS_RESUMABLE = 75
+"""Interrupted with a checkpoint to resume from."""
+
 
 class IrtGroup(click.Group):
     """A group whose commands end as C4 says."""
@@ -47,7 +50,7 @@ class IrtGroup(click.Group):
             sys.exit(failure.status)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Runs the command; exits with its error's status, and 128 + n after signal n."""
+        """Runs the command; exits with its error's status, and 128 + n, or 75, after signal n."""
         try:
             with signals_noted():
                 return super().invoke(ctx)
@@ -55,7 +58,11 @@ class IrtGroup(click.Group):
             _say(f"error: {error}")
             ctx.exit(error.status)
         except Interrupted as error:
-            _say(f"stopped by {signal.Signals(error.signum).name}; every file written is whole")
+            name = signal.Signals(error.signum).name
+            if error.checkpoint:
+                _say(f"stopped by {name}; to be resumed from {error.checkpoint}")
+                ctx.exit(STATUS_RESUMABLE)
+            _say(f"stopped by {name}; every file written is whole")
             ctx.exit(128 + error.signum)
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise

@@ -97,6 +97,10 @@ class LoggedProgress:
         self._inner.finished(row)
         log(row)
 
+    def resumed(self, count: int) -> None:
+        """As the inner one."""
+        self._inner.resumed(count)
+
     def __enter__(self) -> Self:
         self._inner.__enter__()
         log(self._header)

@@ -9,11 +9,14 @@ import click
 
 from irt_usd.cli.bench import bench
 from irt_usd.cli.changes import changes
+from irt_usd.cli.checkpoint import checkpoint
 from irt_usd.cli.contact_sheet import contact_sheet
 from irt_usd.cli.errors import IrtGroup
 from irt_usd.cli.fingerprint import fingerprint
+from irt_usd.cli.merge import merge
 from irt_usd.cli.render import render
 from irt_usd.cli.speedup import speedup
+from irt_usd.cli.submit import submit
 from irt_usd.cli.verify import verify
 from irt_usd.cli.versions import print_versions
 
@@ -31,11 +34,23 @@ def cli() -> None:
     """Exact incremental ray tracing of USD shots.
 
     Exit status: 0 done, 1 a failure of irt or the machine, 2 bad usage or input, 4 a verification
-    found a difference, 128 + n stopped by signal n.
+    found a difference, 5 a checkpoint was refused, 75 interrupted with a checkpoint to resume from,
+    128 + n stopped by signal n without one.
     """
 
 
-for command in (render, verify, changes, speedup, contact_sheet, fingerprint, bench):
+for command in (
+    render,
+    verify,
+    changes,
+    merge,
+    submit,
+    checkpoint,
+    speedup,
+    contact_sheet,
+    fingerprint,
+    bench,
+):
     cli.add_command(command)
 
 

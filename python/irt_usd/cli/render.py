@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from irt_usd.choices import PROGRESS
+from irt_usd.cli.farm_options import checkpoint_options
 from irt_usd.cli.options import (
     check_isa,
     is_verbose,
@@ -16,6 +18,8 @@ from irt_usd.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from irt_usd.checkpoint.keeper import CheckpointOptions
+    from irt_usd.choices import ProgressFormat
     from irt_usd.images.exr import PixelType
     from irt_usd.shot.session import Shot
     from irt_usd.shot.settings import ShotOptions, TraceSettings
@@ -42,10 +46,38 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--history",
-    type=click.Choice(["full", "none"]),
-    default="full",
+    type=click.Choice(["shot", "any", "none"]),
+    default="shot",
     show_default=True,
-    help="none traces every frame in full.",
+    help="Keep of rays what the shot's own changes can reach, or what any change can; none traces"
+    " every frame in full.",
+)
+@checkpoint_options
+@click.option(
+    "--from",
+    "start",
+    type=click.Path(path_type=Path),
+    metavar="CHECKPOINT",
+    help="Start from the history of another version of the shot: a checkpoint, or the newest of a"
+    " folder, kept with --history any (or shot, for changes that shot made itself).",
+)
+@click.option(
+    "--reuse-output",
+    "reuse",
+    is_flag=True,
+    help="With --from: keep the frames of that version whose scene is this one's.",
+)
+@click.option(
+    "--cells",
+    metavar="RANGE",
+    help="Render these of the 64 cells alone, such as 0-30,40-60:2, into partial frames that irt"
+    " merge puts together.",
+)
+@click.option(
+    "--progress",
+    "progress_format",
+    type=click.Choice(PROGRESS),
+    help="Lines for a farm manager; by default a bar on a terminal and plain lines elsewhere.",
 )
 @click.option(
     "--stats", type=click.Path(path_type=Path), help="Write one JSON object a frame to this file."
@@ -89,6 +121,11 @@ def render(
     output: str | None,
     pixel_type: "PixelType",
     history: "History",
+    checkpoint: "CheckpointOptions | None",
+    start: Path | None,
+    reuse: bool,
+    cells: str | None,
+    progress_format: "ProgressFormat | None",
     stats: Path | None,
     strict: bool,
     skip_existing: bool,
@@ -122,6 +159,7 @@ def render(
     from irt_usd.shot.settings import check_film_size
     from irt_usd.shot.writer import preview_path
 
+    quiet_text = quiet or progress_format in ("json", "none")
     if log_file is not None and not dry_run:
         open_log(log_file)
     if list_cameras:
@@ -133,8 +171,23 @@ def render(
         return
     if (display is not None or display_transform is not None) and not preview:
         raise InputError("--display and --view are of previews; add --preview")
+    if reuse and start is None:
+        raise InputError("--reuse-output keeps frames of another version; give --from CHECKPOINT")
+    if reuse and (cells is not None or preview):
+        raise InputError("--reuse-output is of whole frames alone: no --cells, no --preview")
+    if start is not None and history == "none":
+        raise InputError("--from starts from a history; leave out --history none")
+    if preview and cells is not None:
+        raise InputError("--preview is of whole frames; leave it out with --cells")
     check_isa(settings.isa)
     use_threads(settings.threads)
+    chosen = None
+    if cells is not None:
+        from irt_usd.farm.cells import parse_cells, partial_path
+
+        chosen = parse_cells(cells)
+        if output is not None and not output.lower().endswith(".exr"):
+            output = f"{output}/{Path(options.stage).stem}.{_tokens(options.frames)}.exr"
     if output is not None:
         pattern = parse_pattern(output.replace(PRODUCT_TOKEN, "product"))
         if options.frames is not None:  # refused before the stage is opened
@@ -143,6 +196,8 @@ def render(
     for view in shot.views:
         check_film_size(view.framing.size, view_aovs(view, settings))
     paths = shot_paths(shot, output)
+    if chosen is not None:
+        paths = [tuple(partial_path(file, chosen) for file in files) for files in paths]
     wanted = [
         (frame, files)
         for frame, files in zip(shot.frames, paths, strict=True)
@@ -151,18 +206,18 @@ def render(
     shown = (
         display_view(shot.reader.colors.rendering, display, display_transform) if preview else None
     )
-    say(_headline(shot, format_frames(shot.frames)), quiet)
+    say(_headline(shot, format_frames(shot.frames)), quiet_text)
     if len(wanted) < len(shot.frames):
         count = len(shot.frames) - len(wanted)
         exist = "exists already and is" if count == 1 else "exist already and are"
-        say(f"{count_frames(count)} {exist} skipped", quiet)
+        say(f"{count_frames(count)} {exist} skipped", quiet_text)
     if dry_run:
         say_notices(shot.report.take_new())
         run_dry(shot, wanted, history)
         return
     if not wanted:
         return
-    note = say if is_verbose() and not quiet else lambda _: None
+    note = say if is_verbose() and not quiet_text else lambda _: None
     kept = shot.read_files
     files = [file for _, files in wanted for file in files]
     if shown is not None:
@@ -172,11 +227,31 @@ def render(
         if beside is not None:
             every = [file for files in paths for file in files]
             prepare_output([beside], option, note, [*kept, *every], make_output_path)
-    out = OutputOptions([files for _, files in wanted], pixel_type, history, stats, shown)
-    bar = shot_progress(len(wanted) * len(shot.views), TABLE_HEADER, quiet)
+    out = OutputOptions(
+        [files for _, files in wanted],
+        pixel_type,
+        history,
+        stats,
+        shown,
+        checkpoint,
+        start,
+        reuse,
+        chosen,
+    )
+    total = len(wanted) * len(shot.views)
+    bar = shot_progress(total, TABLE_HEADER, quiet, progress_format)
     with LoggedProgress(bar, TABLE_HEADER) as progress:
         render_shot(shot, [frame for frame, _ in wanted], settings, out, progress)
-    say(f"done: {count_frames(len(wanted))} in {out.paths[0][0].parent}", quiet)
+    say(f"done: {count_frames(len(wanted))} in {out.paths[0][0].parent}", quiet_text)
+
+
+def _tokens(frames: str | None) -> str:
+    """A frame token with as many decimals as the frames need."""
+    from irt_usd.shot.frames import parse_frames
+
+    exponents = [int(f.normalize().as_tuple().exponent) for f in parse_frames(frames or "0")]
+    decimals = max(-exponent for exponent in exponents)
+    return "####" if decimals <= 0 else f"####.{'#' * decimals}"
 
 
 def _exists(path: Path) -> bool:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pxr import Ar, Tf
 
 from irt_usd.memory import free_memory
+from irt_usd.stage import assets_read
 
 _DEPTHS = {"uint8": oiio.UINT8, "uint16": oiio.UINT16, "half": oiio.HALF}
 """What is kept as it is; all others become float."""
@@ -113,6 +114,7 @@ def _as_file(file: str) -> Iterator[str]:
     Of what is in a package, or is no file but something that the asset resolver opens, a temporary
     copy.
     """
+    assets_read.note(file)
     packaged = Ar.IsPackageRelativePath(file)
     path = Path(file)
     if not packaged and path.exists():

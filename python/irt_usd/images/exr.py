@@ -97,6 +97,39 @@ def write_exr(
     return _faults(film, pixel_type)
 
 
+def rewrite_metadata(old: Path, path: Path, metadata: Mapping[str, MetadataValue]) -> None:
+    """Writes the pixels of a frame of ours to `path`, atomically, under other metadata.
+
+    Raises MachineError where one cannot be read or the other not be written.
+    """
+    image = oiio.ImageInput.open(str(old))
+    if image is None:
+        raise MachineError(f"{old}: cannot be read: {oiio.geterror()}")
+    parts: list[tuple[oiio.ImageSpec, NDArray[Any]]] = []
+    while image.seek_subimage(len(parts), 0):
+        spec = image.spec()
+        kind = oiio.UINT32 if spec.format == oiio.UINT32 else oiio.FLOAT
+        pixels = image.read_image(len(parts), 0, 0, spec.nchannels, kind)
+        if pixels is None:
+            raise MachineError(f"{old}: cannot be read: {image.geterror()}")
+        own = oiio.ImageSpec(spec.width, spec.height, spec.nchannels, spec.format)
+        own.x, own.y = spec.x, spec.y
+        own.full_x, own.full_y = spec.full_x, spec.full_y
+        own.full_width, own.full_height = spec.full_width, spec.full_height
+        own.channelnames, own.channelformats = spec.channelnames, spec.channelformats
+        own["compression"] = "zip"
+        own["DateTime"] = ""
+        own.attribute("chromaticities", oiio.TypeDesc("float[8]"), _REC709)
+        name = spec.getattribute("oiio:subimagename")
+        if name:
+            own["oiio:subimagename"] = name
+        _set_metadata(own, metadata)
+        parts.append((own, pixels))
+    image.close()
+    with atomic_file(path) as temporary:
+        _write_parts(temporary, path, parts)
+
+
 def read_beauty(path: Path) -> NDArray[np.float32]:
     """The RGB of an EXR: (height, width, 3) float32. Raises InputError."""
     image = _open(path)

@@ -8,6 +8,7 @@ import MaterialX as mx  # noqa: N813
 from pxr import Ar
 
 from irt_usd.errors import InputError
+from irt_usd.stage import assets_read
 
 _OLDER_NAMES = {"ND_normalmap": "ND_normalmap_float"}
 """Definitions that later versions of the library call otherwise."""
@@ -66,6 +67,7 @@ def _read_into(document: mx.Document, asset: str, chain: tuple[str, ...] = ()) -
 
 
 def _text(asset: str) -> str:
+    assets_read.note(asset)
     opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(asset))
     if opened is None:
         raise InputError(f"{asset}: cannot be opened; give a file that can be read")

@@ -2,14 +2,17 @@
 """The frame loop: a shot in, its EXR sequence out."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from irt_usd.images.exr import Film, PixelType
+from irt_usd import interrupt
+from irt_usd.images.exr import Film, PixelType, write_exr
 from irt_usd.images.preview import DisplayView
 from irt_usd.report import Notice, Report
-from irt_usd.shot.frames import Frame, format_frame
+from irt_usd.shot.frames import Frame, format_frame, format_frames
 from irt_usd.shot.metadata import frame_metadata, shot_metadata
 from irt_usd.shot.products import report_variables
 from irt_usd.shot.progress import ShotProgress
@@ -17,7 +20,10 @@ from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.shot.stats import FrameStats, write_stats
 from irt_usd.shot.tracer import History, ShotTracer, TracedFrame
-from irt_usd.shot.writer import FrameJob, FrameWriter, WrittenFrame
+from irt_usd.shot.writer import FrameJob, FrameWriter, WriteFrame, WrittenFrame
+
+if TYPE_CHECKING:
+    from irt_usd.checkpoint.keeper import CheckpointOptions, Keeper
 
 TABLE_HEADER = f"{'frame':>8}  {'changed':<44}  {'rays traced':>12}  {'seconds':>8}"
 
@@ -28,10 +34,27 @@ class OutputOptions:
 
     paths: Sequence[tuple[Path, ...]]
     pixel_type: PixelType = "half"
-    history: History = "full"
+    history: History = "shot"
     stats: Path | None = None
     preview: DisplayView | None = None
     """How a PNG beside each frame shows it; None: there are none."""
+    checkpoint: "CheckpointOptions | None" = None
+    start: Path | None = None
+    """The checkpoint of another version, whose history is the start; None: nothing is."""
+    reuse: bool = False
+    """Keep the frames of that version whose scene is this one's."""
+
+    def items(self, frames: Sequence[Frame]) -> dict[str, Any]:
+        """What a checkpoint must agree in beside the shot and its settings."""
+        return {
+            "history": self.history,
+            "output type": self.pixel_type,
+            "cells": self.cells,
+            "rendered frames": format_frames(frames),
+        }
+
+    cells: tuple[int, ...] | None = None
+    """Those that are rendered, into partial frames; None: all, into whole ones."""
 
 
 def render_shot(
@@ -44,19 +67,66 @@ def render_shot(
     """Renders `frames` of the shot into `output.paths`.
 
     However it ends, the frames traced by then are written whole, and the statistics tell of
-    those. Raises InputError and MachineError.
+    those. Raises InputError, MachineError and RefusedError.
     """
-    tracer = ShotTracer(shot, settings, frames, output.history)
+    from irt_usd.checkpoint.keeper import Keeper
+
+    tracer = ShotTracer(shot, settings, frames, output.history, output.cells)
+    keeper = None
+    if output.checkpoint is not None:
+        keeper = Keeper(output.checkpoint, shot, settings, output.items(frames), progress.message)
+    with keeper.running() if keeper is not None else nullcontext():
+        _render_frames(shot, frames, settings, output, progress, tracer, keeper)
+
+
+def _render_frames(
+    shot: Shot,
+    frames: Sequence[Frame],
+    settings: TraceSettings,
+    output: OutputOptions,
+    progress: ShotProgress,
+    tracer: ShotTracer,
+    keeper: "Keeper | None",
+) -> None:
     views = range(len(shot.views))
     common = [shot_metadata(shot, settings, view) for view in views]
-    writer = FrameWriter()
-    written = _Written(shot.report, progress)
+    kept: set[Frame] = set()
+    resumed = False
+    if keeper is not None:
+        kept = keeper.resume(tracer, frames, output.paths)
+        resumed = keeper.resumed
+        progress.resumed(len(kept) * len(shot.views))
+        keeper.before_first()
+    reused = None
+    if output.start is not None and output.reuse:
+        from irt_usd.checkpoint.reuse import OldFrames
+
+        reused = OldFrames(output.start, shot, settings, output.items(frames))
+    if output.start is not None and not resumed:
+        from irt_usd.checkpoint.retake import start_retake
+
+        told = start_retake(output.start, shot, settings, output.cells, tracer, frames[0])
+        progress.message(f"irt: {told}")
+    writer = FrameWriter(_writing(shot, settings, output), hashing=keeper is not None)
+    written = _Written(shot.report, progress, keeper)
     report_variables(shot.views, shot.report)
     tell_notices(shot.report, progress)
     films: dict[int, Film] = {}
+    last: Frame | None = None
     try:
         try:
             for frame, paths in zip(frames, output.paths, strict=True):
+                if frame in kept:
+                    continue
+                if reused is not None:
+                    interrupt.check()
+                    snapshot = shot.reader.read(float(frame))
+                    if reused.keep(frame, snapshot, paths):
+                        if keeper is not None:
+                            keeper.kept(frame, snapshot, paths)
+                        for _ in views:
+                            progress.finished(f"{format_frame(frame):>8}  kept")
+                        continue
                 traced = tracer.trace(frame, partial(progress.tracing, frame))
                 written.expect(frame)
                 for view, path in zip(views, paths, strict=True):
@@ -72,6 +142,9 @@ def render_shot(
                     job = FrameJob(path, film, metadata, kind, stats, output.preview)
                     writer.submit(job)
                 written.take(writer)
+                last = frame
+                if keeper is not None:
+                    keeper.after(frame, tracer, partial(_finish_writing, writer, written))
         finally:
             written.expect(None)
             try:
@@ -80,7 +153,23 @@ def render_shot(
                 written.take(writer)
     finally:
         if output.stats is not None:
-            write_stats(output.stats, written.stats)
+            write_stats(output.stats, written.stats if keeper is None else keeper.stats)
+    if keeper is not None and last is not None:
+        keeper.finish(last, tracer)
+
+
+def _finish_writing(writer: FrameWriter, written: "_Written") -> None:
+    writer.wait()
+    written.take(writer)
+
+
+def _writing(shot: Shot, settings: TraceSettings, output: OutputOptions) -> WriteFrame:
+    """How frames are written."""
+    if output.cells is None:
+        return write_exr
+    from irt_usd.farm.partial import PartialWriter
+
+    return PartialWriter(shot, settings, output.pixel_type, output.cells)
 
 
 def table_row(stats: FrameStats) -> str:
@@ -105,8 +194,9 @@ def _tell(notices: Iterable[Notice], progress: ShotProgress) -> None:
 class _Written:
     """Follows frames to the disk: their statistics, their rows, what they lacked."""
 
-    def __init__(self, report: Report, progress: ShotProgress) -> None:
-        self.stats: list[FrameStats] = []
+    def __init__(self, report: Report, progress: ShotProgress, keeper: "Keeper | None") -> None:
+        self.stats: list[dict[str, Any]] = []
+        self._keeper = keeper
         self._report = report
         self._progress = progress
         self._waiting: dict[Frame | None, list[Notice]] = {}
@@ -118,7 +208,9 @@ class _Written:
     def take(self, writer: FrameWriter) -> None:
         for frame in writer.take_written():
             stats = frame.job.stats
-            self.stats.append(stats)
+            self.stats.append(stats.to_json())
+            if self._keeper is not None:
+                self._keeper.written(stats.frame, frame.hash, self.stats[-1])
             _tell(self._waiting.pop(stats.frame, []), self._progress)
             self._progress.finished(table_row(stats))
             self._mention_faults(frame)

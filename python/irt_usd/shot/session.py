@@ -19,7 +19,7 @@ from irt_usd.shot.frames import (
     parse_frames,
 )
 from irt_usd.shot.settings import ShotOptions
-from irt_usd.stage import OpenOptions, ReadOptions, ShotReader, open_stage
+from irt_usd.stage import OpenOptions, ReadOptions, ShotReader, assets_read, open_stage
 from irt_usd.stage.graph import NoTextures
 from irt_usd.stage.views import View, settled
 
@@ -91,6 +91,7 @@ def open_shot(options: ShotOptions, report: Report) -> Shot:
     """Opens the stage and settles frames, camera and size. Raises InputError."""
     if options.frames is not None:
         parse_frames(options.frames)  # refused before the stage is opened
+    assets_read.forget()
     return shot_of(open_stage(options.stage, opening(options), report), options, report)
 
 

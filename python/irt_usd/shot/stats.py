@@ -103,8 +103,8 @@ def json_frame(frame: Frame) -> int | float:
     return int(frame) if frame == frame.to_integral_value() else float(frame)
 
 
-def write_stats(path: Path, frames: Iterable[FrameStats]) -> None:
+def write_stats(path: Path, frames: Iterable[Mapping[str, Any]]) -> None:
     """One JSON object a line, whole or not at all. Raises MachineError."""
     with atomic_file(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         for stats in frames:
-            file.write(json.dumps(stats.to_json(), allow_nan=False) + "\n")
+            file.write(json.dumps(stats, allow_nan=False) + "\n")

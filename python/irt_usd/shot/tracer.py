@@ -4,14 +4,14 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irt_usd import _core, interrupt
 from irt_usd.aovs import sources
-from irt_usd.changes import ChangeList, diff
+from irt_usd.changes import ChangeList, diff, whole_changes
 from irt_usd.errors import InputError, MachineError
 from irt_usd.images.aovs import Plane, derived, exposed
 from irt_usd.images.exr import Film
@@ -22,7 +22,11 @@ from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.stage import Snapshot
 
-History = Literal["full", "none"]
+if TYPE_CHECKING:
+    from irt_usd.checkpoint.container import Container
+
+History = Literal["shot", "any", "none"]
+"""What histories are kept for: the changes that the shot itself makes, any change, or none."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +56,10 @@ class TracedFrame:
 class ShotTracer:
     """Traces a shot's frames in the order asked for.
 
-    With history "full" one renderer is kept over the shot and told what changed, in `frames`, the
-    only ones that will be asked for, in that order; with "none" every frame is a full trace by a
-    new one.
+    One renderer is kept over the shot and told what changed. With history "shot" it keeps what the
+    changes in `frames`, the only ones that will be asked for, in that order, can reach; with "any"
+    everything. With "none" every frame is a full trace by a new one. `cells`: those that are
+    rendered, None: all.
     """
 
     def __init__(
@@ -62,15 +67,20 @@ class ShotTracer:
         shot: Shot,
         settings: TraceSettings,
         frames: Sequence[Frame],
-        history: History = "full",
+        history: History = "shot",
+        cells: Sequence[int] | None = None,
     ) -> None:
         self._shot = shot
         self._settings = settings
         self._frames = frames
         self._history = history
+        self._cells = cells
         self._renderer: _core.Renderer | None = None
         self._previous: Snapshot | None = None
         self._ages: dict[int, NDArray[np.float32]] = {}
+        self._retaking = False
+        self.foreign = False
+        """Whether the history is kept for another version's changes."""
 
     def trace(
         self, frame: Frame, on_progress: Callable[[float], None] | None = None
@@ -84,10 +94,10 @@ class ShotTracer:
         snapshot = self._shot.reader.read(float(frame))
         self._shot.report.enforce(self._consequence(frame))
         read = time.perf_counter()
-        previous = self._previous if self._history == "full" else None
+        previous = self._previous if self._history != "none" else None
         changes = diff(previous, snapshot)
         compared = time.perf_counter()
-        update = self._update(frame, snapshot, changes, previous is None, on_progress)
+        update = self._update(frame, snapshot, changes, previous, on_progress)
         for view in range(len(self._shot.views)):
             if "irt.age" in self.aovs(view):
                 self._ages[view] = self._age(view)
@@ -120,6 +130,55 @@ class ShotTracer:
         layers = view_layers(self._shot.views[view], self._settings)
         return Film(beauty.copy(), aovs, framing.start, framing.frame, layers)
 
+    @property
+    def scene(self) -> Snapshot:
+        """The scene of the last frame."""
+        if self._previous is None:
+            raise ValueError("no frame has been traced")
+        return self._previous
+
+    def save(self, arrays: _core.ArrayWriter) -> Snapshot:
+        """Adds to `arrays` what `restore` needs; the result is the scene it goes with."""
+        if self._history != "none":
+            self.renderer.save(arrays)
+            for view, age in self._ages.items():
+                arrays.add(f"age{view}", age)
+        return self.scene
+
+    def restore(self, frame: Frame, container: "Container") -> Snapshot:
+        """Goes on as the tracer that was saved after `frame`; the result is that frame's scene.
+
+        Raises RuntimeError where the arrays are of another scene; then nothing is restored.
+        """
+        snapshot = self._shot.reader.read(float(frame))
+        if self._history == "none":
+            return snapshot
+        renderer = self._new_renderer(snapshot, self._foresee())
+        renderer.restore(diff(None, snapshot).core, container.file, container.places())
+        self._renderer, self._previous = renderer, snapshot
+        for view in range(len(self._shot.views)):
+            if "irt.age" in self.aovs(view):
+                shape = renderer.aov("irt.retraced", view).shape
+                self._ages[view] = container.array(f"age{view}").reshape(shape)
+        return snapshot
+
+    def retake(
+        self, snapshot: Snapshot, container: "Container", foreseen: _core.Foreseen | None
+    ) -> None:
+        """Starts from `snapshot`, a scene of another version, and the history it was saved with.
+
+        `foreseen`: what that history was kept for. Raises RuntimeError as `restore` does.
+        """
+        renderer = self._new_renderer(snapshot, foreseen)
+        renderer.restore(diff(None, snapshot).core, container.file, container.places())
+        self._renderer, self._previous, self._retaking = renderer, snapshot, True
+        self.foreign = foreseen is not None
+
+    def forget(self) -> None:
+        """The next frame is the first."""
+        self._renderer = self._previous = None
+        self._ages.clear()
+
     def aovs(self, view: int) -> tuple[str, ...]:
         """Names of a view's AOVs."""
         return view_aovs(self._shot.views[view], self._settings)
@@ -151,9 +210,15 @@ class ShotTracer:
         frame: Frame,
         snapshot: Snapshot,
         changes: ChangeList,
-        first: bool,
+        previous: Snapshot | None,
         on_progress: Callable[[float], None] | None,
     ) -> dict[str, Any]:
+        first = previous is None
+        core = changes.core
+        if previous is not None and self._retaking:
+            core = whole_changes(previous, snapshot)
+            self._retaking = False
+
         def progress(part: float) -> None:
             interrupt.check()
             if on_progress is not None:
@@ -161,11 +226,11 @@ class ShotTracer:
 
         try:
             if first:
-                self._renderer = self._new_renderer(snapshot)
+                self._renderer = self._new_renderer(snapshot, self._foresee())
             told = [
                 (
                     camera.core() if moved and not first else None,
-                    self._history == "full" and self._next_can_use_history(frame, view),
+                    self._history != "none" and self._next_can_use_history(frame, view),
                 )
                 for view, (camera, moved) in enumerate(
                     zip(snapshot.cameras, changes.cameras, strict=True)
@@ -173,7 +238,7 @@ class ShotTracer:
             ]
             (moved_to, keep), *more = told
             return self.renderer.update(
-                changes.core, moved_to, progress, keep_history=keep, more_views=more
+                core, moved_to, progress, keep_history=keep, more_views=more
             )
         except ValueError as error:
             raise InputError(
@@ -185,7 +250,10 @@ class ShotTracer:
                 f"out of memory at frame {format_frame(frame)}; try a smaller --size"
             ) from error
 
-    def _new_renderer(self, snapshot: Snapshot) -> _core.Renderer:
+    def _foresee(self) -> _core.Foreseen | None:
+        return foresee(self._shot, self._frames) if self._history == "shot" else None
+
+    def _new_renderer(self, snapshot: Snapshot, foreseen: _core.Foreseen | None) -> _core.Renderer:
         views = range(len(self._shot.views))
         renderer = _core.Renderer(
             snapshot.camera.core(),
@@ -193,8 +261,9 @@ class ShotTracer:
             render_origin=self._shot.render_origin,
             isa=self._settings.isa,
             threads=self._settings.threads,
-            history=self._history == "full",
-            foreseen=foresee(self._shot, self._frames) if self._history == "full" else None,
+            history=self._history != "none",
+            foreseen=foreseen,
+            cell_order=self._cells,
         )
         for view in views[1:]:
             renderer.add_view(snapshot.cameras[view].core(), self._view_settings(view))
@@ -217,7 +286,7 @@ class ShotTracer:
         """Whether there is a next frame, and the view's camera rests until then."""
         index = self._frames.index(frame) + 1
         if index == len(self._frames):
-            return False
+            return self._history == "any"
         all_frames = self._shot.frames
         first, last = all_frames.index(frame) + 1, all_frames.index(self._frames[index]) + 1
         return not any(f in self._shot.camera_moves[view] for f in all_frames[first:last])

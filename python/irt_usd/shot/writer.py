@@ -4,10 +4,11 @@
 import queue
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from irt_usd import _core
 from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType, write_exr
 from irt_usd.images.png import write_png
 from irt_usd.images.preview import DisplayView
@@ -36,16 +37,24 @@ class WrittenFrame:
 
     job: FrameJob
     faults: PixelFaults
+    hash: str = ""
+    """Of the file's bytes, where that was asked for."""
+
+
+WriteFrame = Callable[[Path, Film, Mapping[str, MetadataValue], PixelType], PixelFaults]
+"""As write_exr does it."""
 
 
 class FrameWriter:
     """One background thread that writes frames in the order they are given.
 
     Not to be shared between threads. After a failure nothing more is written; the failure is
-    raised at the next `submit` or `finish`.
+    raised at the next `submit`, `wait` or `finish`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, write: WriteFrame = write_exr, hashing: bool = False) -> None:
+        self._write = write
+        self._hashing = hashing
         self._jobs: queue.Queue[FrameJob | None] = queue.Queue(_QUEUE_LENGTH)
         self._written: queue.SimpleQueue[WrittenFrame] = queue.SimpleQueue()
         self._failure: BaseException | None = None
@@ -56,6 +65,11 @@ class FrameWriter:
         """Queues a frame, waiting where the queue is full. Raises what an earlier one failed of."""
         self._raise_failure()
         self._jobs.put(job)
+
+    def wait(self) -> None:
+        """Waits until what is queued is written. Raises what a frame failed of."""
+        self._jobs.join()
+        self._raise_failure()
 
     def finish(self) -> None:
         """Writes what is queued and ends the thread. Raises what a frame failed of."""
@@ -76,21 +90,24 @@ class FrameWriter:
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
-            if self._failure is not None:
-                continue
-            start = time.perf_counter()
             try:
-                faults = write_exr(job.path, job.film, job.metadata, job.pixel_type)
-                if job.preview is not None:
-                    _write_preview(job.path, job.film, job.preview)
+                if self._failure is None:
+                    self._run_job(job)
             except BaseException as failure:  # raised again in the caller's thread
                 self._failure = failure
-                continue
-            seconds = time.perf_counter() - start
-            job.stats.seconds["write"] = seconds
-            job.stats.seconds["total"] += seconds
-            job.stats.non_finite_pixels = faults.non_finite
-            self._written.put(WrittenFrame(job, faults))
+            self._jobs.task_done()
+
+    def _run_job(self, job: FrameJob) -> None:
+        start = time.perf_counter()
+        faults = self._write(job.path, job.film, job.metadata, job.pixel_type)
+        if job.preview is not None:
+            _write_preview(job.path, job.film, job.preview)
+        hashed = _core.file_hash(str(job.path)) if self._hashing else ""
+        seconds = time.perf_counter() - start
+        job.stats.seconds["write"] = seconds
+        job.stats.seconds["total"] += seconds
+        job.stats.non_finite_pixels = faults.non_finite
+        self._written.put(WrittenFrame(job, faults, hashed))
 
 
 def preview_path(path: Path) -> Path:

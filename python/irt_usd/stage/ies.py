@@ -6,6 +6,8 @@ from itertools import pairwise
 from math import cos, pi, radians
 from pathlib import Path
 
+from irt_usd.stage import assets_read
+
 Web = tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
 """Vertical and horizontal angles (degrees, ascending), candelas by horizontal, then vertical."""
 
@@ -14,9 +16,14 @@ class IesError(ValueError):
     """The file cannot be read or is no photometric web that is rendered."""
 
 
-@lru_cache(maxsize=64)
 def read_ies(path: str, normalize: bool) -> Web:
     """The web of a file; `normalize`: divided by its mean over the sphere. Raises IesError."""
+    assets_read.note(path)
+    return _read_ies(path, normalize)
+
+
+@lru_cache(maxsize=64)
+def _read_ies(path: str, normalize: bool) -> Web:
     try:
         text = Path(path).read_text(encoding="latin-1")
     except OSError as error:
