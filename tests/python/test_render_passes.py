@@ -10,6 +10,7 @@ import pytest
 
 from cli_support import CAMERA, LAMP, SCENE, failure, irt, stage_of, write_stage
 from conftest import MakeShot
+from irt_usd.changes import diff
 from irt_usd.stage import ReadOptions, Snapshot
 
 SIZE = ("--size", "48x27", "-f", "1")
@@ -212,6 +213,18 @@ def test_passes_that_cannot_be_rendered(tmp_path: Path, body: str, said: str) ->
     assert said in message
     assert "/P." in message
     assert "shot.usda" in message
+
+
+def test_what_a_pass_makes_of_prims_is_a_change(shot: MakeShot) -> None:
+    text = SCENE + LAMP + 'def DomeLight "Sky"\n{\n}\n' + render_pass(
+        "rel collection:matte:includes = </Ball>\n"
+        "rel collection:cameraVisibility:excludes = [</Floor>, </Sky>]"
+    )  # fmt: skip
+    plain = shot(text).read()
+    passed = shot(text, options=ReadOptions(render_pass="P")).read()
+    told = {(c.path, c.attribute) for c in diff(plain, passed).changes}
+    assert {("/Ball", "irt:matte"), ("/Floor", "irt:cameraVisible")} <= told
+    assert ("/Sky", "irt:cameraVisible") in told
 
 
 def test_which_pass(tmp_path: Path) -> None:

@@ -203,6 +203,8 @@ class LightSource:
         if radiance is None:
             return None
         attributes["irt:domeSamples"] = self._dome_samples
+        if not self.camera_visible:
+            attributes["irt:cameraVisible"] = False
         shaped: dict[str, Any] = {"unlit": self._unlit} if self._unlit else {}
         for key in ("diffuse", "specular"):
             if self._attributes.values[f"inputs:{key}"] not in (None, 1.0):

@@ -86,12 +86,18 @@ class ObjectState:
 
     @property
     def attributes(self) -> dict[str, Value]:
-        """All that a change is looked for in, by USD attribute name."""
-        return {
+        """All that a change is looked for in, by USD attribute name.
+
+        What the render pass makes of it is there where that is anything.
+        """
+        found: dict[str, Value] = {
             **self.shape.attributes,
             "world_from_object": self.world_from_object,
             "material:binding": self.material,
         }
+        if self.role != (True, False):
+            found["irt:cameraVisible"], found["irt:matte"] = self.role
+        return found
 
     def add_to(self, changes: "_core.ChangeSet") -> None:
         """Sets the whole record in `changes`."""
