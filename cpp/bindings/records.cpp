@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "irt/scene/change_set.h"
 #include "irt/scene/curves.h"
+#include "irt/scene/ribbons.h"
 #include "irt/scene/subdivide.h"
 
 namespace irt::bindings {
@@ -99,10 +100,10 @@ Enum named(const std::string& name, const char* const (&names)[n], const char* w
 constexpr const char* basis_names[] = {"linear", "bezier", "bspline", "catmullRom"};
 constexpr const char* wrap_names[] = {"nonperiodic", "periodic", "pinned"};
 
-CurvesPointer make_curves(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
-                          const Array<float>& widths, const std::string& widths_interpolation,
-                          const std::string& basis, const std::string& wrap, int segments,
-                          const std::map<std::string, PrimvarTuple>& primvars) {
+ControlCurves control_curves(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
+                             const Array<float>& widths, const std::string& widths_interpolation,
+                             const std::string& basis, const std::string& wrap,
+                             const std::map<std::string, PrimvarTuple>& primvars) {
     ControlCurves curves;
     curves.basis = named<CurveBasis>(basis, basis_names, "basis");
     curves.wrap = named<CurveWrap>(wrap, wrap_names, "wrap");
@@ -111,7 +112,29 @@ CurvesPointer make_curves(const Array<float>& points, const Array<std::int32_t>&
     curves.widths = numbers(widths, "widths");
     curves.widths_interpolation = interpolation_named(widths_interpolation);
     curves.primvars = make_primvars(primvars);
-    return std::const_pointer_cast<Curves>(irt::make_curves(curves, segments));
+    return curves;
+}
+
+CurvesPointer make_curves(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
+                          const Array<float>& widths, const std::string& widths_interpolation,
+                          const std::string& basis, const std::string& wrap, int segments,
+                          const std::map<std::string, PrimvarTuple>& primvars) {
+    return std::const_pointer_cast<Curves>(irt::make_curves(
+        control_curves(points, vertex_counts, widths, widths_interpolation, basis, wrap, primvars),
+        segments));
+}
+
+MeshPointer make_ribbons(const Array<float>& points, const Array<std::int32_t>& vertex_counts,
+                         const Array<float>& widths, const Array<float>& normals,
+                         const std::string& widths_interpolation,
+                         const std::string& normals_interpolation, const std::string& basis,
+                         const std::string& wrap, int segments,
+                         const std::map<std::string, PrimvarTuple>& primvars) {
+    ControlCurves curves =
+        control_curves(points, vertex_counts, widths, widths_interpolation, basis, wrap, primvars);
+    curves.normals = vectors(normals, "normals");
+    curves.normals_interpolation = interpolation_named(normals_interpolation);
+    return std::const_pointer_cast<Mesh>(irt::make_ribbons(curves, segments));
 }
 
 Geometry geometry(const py::handle& object) {
@@ -148,7 +171,8 @@ PrototypePointer make_prototype(const py::sequence& parts) {
 ArrayPointer make_array(const std::vector<PrototypePointer>& prototypes,
                         const Array<double>& transforms,
                         const std::optional<Array<std::int32_t>>& prototype_of,
-                        const std::optional<Array<std::int64_t>>& keys) {
+                        const std::optional<Array<std::int64_t>>& keys,
+                        const std::map<std::string, PrimvarTuple>& primvars) {
     if (transforms.ndim() != 3 || transforms.shape(1) != 4 || transforms.shape(2) != 3)
         throw py::value_error("array_from_prototype must have shape (n, 4, 3)");
     auto array = std::make_shared<InstanceArray>();
@@ -163,6 +187,7 @@ ArrayPointer make_array(const std::vector<PrototypePointer>& prototypes,
         if (keys->ndim() != 1) throw py::value_error("keys must have one dimension");
         array->keys.assign(keys->data(), keys->data() + keys->shape(0));
     }
+    array->primvars = make_primvars(primvars);
     return array;
 }
 
@@ -292,7 +317,11 @@ void bind_geometry(py::module_& module) {
              py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
              py::arg("single_sided") = false, py::arg("primvars") = py::dict(),
-             py::arg("face_materials") = py::none());
+             py::arg("face_materials") = py::none())
+        .def_static("ribbons", &make_ribbons, py::arg("points"), py::arg("curve_vertex_counts"),
+                    py::arg("widths"), py::arg("normals"), py::kw_only(),
+                    py::arg("widths_interpolation"), py::arg("normals_interpolation"),
+                    py::arg("basis"), py::arg("wrap"), py::arg("segments"), py::arg("primvars"));
     py::class_<Subdivider>(module, "Subdivider")
         .def(py::init(&make_subdivider), py::kw_only(), py::arg("scheme"), py::arg("level"),
              py::arg("interpolate_boundary") = "edgeAndCorner",
@@ -307,7 +336,8 @@ void bind_geometry(py::module_& module) {
             [](Subdivider& subdivider, const Mesh& cage) {
                 return std::make_shared<Mesh>(subdivider.refine(cage));
             },
-            py::arg("cage"));
+            py::arg("cage"))
+        .def_property_readonly("left_out", &Subdivider::left_out);
     py::class_<Spheres, SpheresPointer>(module, "Spheres")
         .def(py::init(&make_spheres), py::arg("points"), py::arg("widths"),
              py::arg("primvars") = py::dict());
@@ -320,7 +350,8 @@ void bind_geometry(py::module_& module) {
         .def(py::init(&make_prototype), py::arg("parts"));
     py::class_<InstanceArray, ArrayPointer>(module, "InstanceArray")
         .def(py::init(&make_array), py::arg("prototypes"), py::arg("array_from_prototype"),
-             py::arg("prototype_of") = py::none(), py::arg("keys") = py::none())
+             py::arg("prototype_of") = py::none(), py::arg("keys") = py::none(),
+             py::arg("primvars") = py::dict())
         .def("__len__", &InstanceArray::size)
         .def_property_readonly("array_from_prototype", [](const py::object& self) {
             const auto& rows = self.cast<const InstanceArray&>().array_from_prototype;

@@ -76,7 +76,7 @@ std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
                         scene.applied.geometry.end());
     if (!uncommitted_.empty() || scene.first) intersector_.commit(scene_, uncommitted_);
     uncommitted_.clear();
-    intersector_.release_meshes(scene.applied.rebound);
+    intersector_.follow(scene.applied);
     committed_ = true;
     reports[0].bvh_seconds = watch.lap();
 

@@ -67,11 +67,27 @@ class Mesh:
     def face_vertex_counts(self) -> NDArray[np.int32]: ...
     @property
     def face_vertex_indices(self) -> NDArray[np.int32]: ...
+    @staticmethod
+    def ribbons(
+        points: NDArray[np.float32],
+        curve_vertex_counts: NDArray[np.int32],
+        widths: NDArray[np.float32],
+        normals: NDArray[np.float32],
+        *,
+        widths_interpolation: Literal["constant", "uniform", "vertex", "faceVarying"],
+        normals_interpolation: Literal["constant", "uniform", "vertex", "faceVarying"],
+        basis: Literal["linear", "bezier", "bspline", "catmullRom"],
+        wrap: Literal["nonperiodic", "periodic", "pinned"],
+        segments: int,
+        primvars: Primvars,
+    ) -> Mesh:
+        """Flat strips along curves, which are those that Curves takes, across their normals (k, 3)
+        float32, k as `normals_interpolation` asks. Raises ValueError on counts that do not fit."""
 
 class Subdivider:
     """Cuts the faces of control cages `level` times by UsdGeomMesh's rules, through OpenSubdiv.
 
-    Raises ValueError on rules that contradict themselves.
+    Raises ValueError on a level or a name that is out of range.
     """
 
     def __init__(
@@ -93,6 +109,10 @@ class Subdivider:
         """The polygons that stand for the limit surface, with its normals and refined primvars;
         at level 0 the cage, with smooth normals unless bilinear. The refined topology is kept for
         cages that have the same. Raises ValueError on topology that OpenSubdiv refuses."""
+
+    @property
+    def left_out(self) -> list[str]:
+        """Creases and corners that the last cage was refined without, and why."""
 
 class Spheres:
     """Balls in object space: points (n, 3) float32, widths (1,) or (n,) float32, diameters;
@@ -160,7 +180,8 @@ class InstanceArray:
 
     `array_from_prototype`: (n, 4, 3) float64, row vectors, without the last column.
     `prototype_of`: (n,) int32, into `prototypes`; None: all are of the first. `keys`: (n,) int64,
-    increasing: what names an entry from change to change; None: 0, 1, 2, ...
+    increasing: what names an entry from change to change; None: 0, 1, 2, ... `primvars`: constant,
+    or "vertex" by entry, for parts that have none of the name; an inner array's come first.
     """
 
     def __init__(
@@ -169,6 +190,7 @@ class InstanceArray:
         array_from_prototype: NDArray[np.float64],
         prototype_of: NDArray[np.int32] | None = None,
         keys: NDArray[np.int64] | None = None,
+        primvars: Primvars = ...,
     ) -> None: ...
     def __len__(self) -> int: ...
     @property

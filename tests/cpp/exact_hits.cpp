@@ -185,6 +185,11 @@ std::vector<Kind> make_kinds() {
     }
     {
         SceneBuilder builder;
+        for (int i = 0; i < 8; ++i) add_copies(builder, bands(random, 3, i % 2 == 0), random, 3);
+        kinds.emplace_back("ribbons", builder);
+    }
+    {
+        SceneBuilder builder;
         auto prototype = std::make_shared<Prototype>();
         prototype->parts = {
             {"curves", std::shared_ptr<const Curves>(strands(random, 2, 5, true)),
@@ -219,6 +224,7 @@ std::vector<Kind> make_kinds() {
         add_copies(builder, MeshPointer(box()), random, 6);
         add_copies(builder, std::shared_ptr<const Spheres>(cloud(random, 8)), random, 6);
         add_copies(builder, std::shared_ptr<const Curves>(strands(random, 2, 5, false)), random, 6);
+        add_copies(builder, bands(random, 2, true), random, 6);
         kinds.emplace_back("mixed", builder);
     }
     return kinds;
@@ -411,6 +417,8 @@ std::vector<Closed> make_closed() {
     outer->prototypes = {test::prototype({{"faces", ArrayPointer(entries), M44d(), ""}})};
     outer->array_from_prototype = {affine(M44d())};
     return {{"8k ball", "edges, from inside", one(coarse, turned), 0.3},
+            {"ribbon", "edges, from inside", one(drum(500), turned), 0.3},
+            {"ribbon", "edges, from 10 radii", one(drum(500), turned), 10},
             {"320k ball", "edges, from inside", one(fine, turned), 0.3},
             {"320k ball", "edges, from 10 radii", one(fine, turned), 10},
             {"320k ball", "edges, from 100 radii", one(fine, turned), 100},

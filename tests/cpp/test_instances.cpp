@@ -7,6 +7,7 @@
 #include <set>
 
 #include "irt/scene/foreseen.h"
+#include "irt/scene/primvar.h"
 #include "irt/trace/judge_primitive.h"
 #include "trace_scenes.h"
 
@@ -219,6 +220,90 @@ TEST(Instances, OneThatMovesLeavesTheTreeOverTheOthersAlone) {
         EXPECT_FALSE(trees.nearest_moving(at_8, trace::Hit(), counts));
     }
     EXPECT_EQ(trees.epoch(), epoch);
+}
+
+TEST(Instances, PrototypesMayStandInAnotherOrder) {
+    InstanceArray array = row(4);
+    array.prototype_of = {0, 1, 1, 0};
+    const auto scene = SceneBuilder().scene();
+    set_array(*scene, array);
+    trace::Intersector trees;
+    trees.commit(*scene, all_slots(*scene));
+    std::swap(array.prototypes[0], array.prototypes[1]);
+    for (std::uint32_t& prototype : array.prototype_of) prototype = 1 - prototype;
+    const AppliedChanges applied = set_array(*scene, array);
+    EXPECT_TRUE(applied.empty());
+    trees.follow(applied);
+    const auto fresh = intersector(*scene);
+    trace::QueryCounts counts;
+    Random random(8);
+    for (int i = 0; i < 500; ++i) {
+        const V3d from(random() * 12, 1.5 * random(), 5);
+        const trace::Ray r = ray(from, {0.1 * random(), 0.1 * random(), -1});
+        EXPECT_EQ(trees.nearest(r, counts).t, fresh->nearest(r, counts).t);
+    }
+}
+
+/// Primvars by entry change how an entry shades, and nothing else.
+TEST(Instances, PrimvarsAreReadWherePartsHaveNone) {
+    InstanceArray array = row(3);
+    array.keys = {2, 5, 9};
+    array.primvars = {{"dye", Interpolation::Vertex, 2, {1, 2, 3, 4, 5, 6}, {}},
+                      {"same", Interpolation::Constant, 1, {7}, {}}};
+    const auto scene = SceneBuilder().scene();
+    set_array(*scene, array);
+    const auto value = [&](std::uint32_t slot, const char* name) {
+        trace::Hit hit;
+        hit.object = slot;
+        return instance_primvar(*scene, hit, name);
+    };
+    EXPECT_EQ(value(1, "dye")->value[1], 4);
+    EXPECT_EQ(value(1, "dye")->width, 2);
+    EXPECT_EQ(value(2, "same")->value[0], 7);
+    EXPECT_FALSE(value(0, "none"));
+
+    array.primvars[0].values[3] = 8;
+    AppliedChanges applied = set_array(*scene, array);
+    EXPECT_TRUE(applied.geometry.empty());
+    EXPECT_EQ(applied.rebound, std::vector<std::uint32_t>{1});
+    EXPECT_EQ(value(1, "dye")->value[1], 8);
+    // The same values by indices are no change.
+    array.primvars[0].indices = {2, 0, 1};
+    array.primvars[0].values = {3, 8, 5, 6, 1, 2};
+    applied = set_array(*scene, array);
+    EXPECT_TRUE(applied.empty());
+    // An entry that goes takes its value along.
+    array.keys.erase(array.keys.begin());
+    array.prototype_of.pop_back();
+    array.array_from_prototype.erase(array.array_from_prototype.begin());
+    array.primvars[0].indices.erase(array.primvars[0].indices.begin());
+    applied = set_array(*scene, array);
+    EXPECT_EQ(applied.geometry, std::vector<std::uint32_t>{0});
+    EXPECT_TRUE(applied.rebound.empty());
+    EXPECT_EQ(value(1, "dye")->value[1], 8);
+
+    // Nested: the inner array's come first.
+    InstanceArray inner = row(2);
+    inner.primvars = {{"own", Interpolation::Vertex, 1, {3, 4}, {}},
+                      {"same", Interpolation::Constant, 1, {1}, {}}};
+    InstanceArray outer = row(1);
+    outer.primvars = {{"dye", Interpolation::Constant, 1, {9}, {}},
+                      {"same", Interpolation::Constant, 1, {2}, {}}};
+    outer.prototypes[0] =
+        prototype({{"inner", std::make_shared<const InstanceArray>(inner), identity, ""}});
+    const auto nested = SceneBuilder().scene();
+    set_array(*nested, outer);
+    trace::Hit hit;
+    hit.object = 0;
+    hit.part = 1;
+    EXPECT_EQ(instance_primvar(*nested, hit, "own")->value[0], 4);
+    EXPECT_EQ(instance_primvar(*nested, hit, "same")->value[0], 1);
+    EXPECT_EQ(instance_primvar(*nested, hit, "dye")->value[0], 9);
+
+    outer.primvars[0].interpolation = Interpolation::Uniform;
+    EXPECT_THROW(set_array(*nested, outer), std::invalid_argument);
+    outer.primvars[0] = {"dye", Interpolation::Vertex, 1, {1, 2}, {}};
+    EXPECT_THROW(set_array(*nested, outer), std::invalid_argument);
 }
 
 TEST(Instances, ASurfacePointIsWhereTheRayMeetsIt) {

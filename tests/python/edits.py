@@ -19,10 +19,12 @@ T = TypeVar("T")
 Pick = Callable[[Sequence[Any]], Any]
 """One of several, by a property test's search or by a generator of random numbers."""
 
-MORE = ("frustum", "round_cone", "points", "curves", "points", "curves")
+MORE = ("frustum", "round_cone", "points", "curves", "ribbons", "shell")
 NAMES = ("/a", "/b", "/c", "/d", "/e")
-MANY = ("/cloud", "/lock", "/ring")
-MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf")
+MANY = ("/cloud", "/lock", "/ring", "/band")
+MATERIALS = ("/red", "/glass", "/mirror", "/lamp", "/leaf", "/dyed")
+DYED = (*NAMES, *MANY, "/swarm", "/shell")
+DYES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.5), (0.25, 0.25, 1.0), (0.0, 0.0, 0.0))
 PAPERS = ("/paper", "/tiles", "/lace", "/stained", "/screen", "/marble", "/rim")
 LIGHTS = ("/key", "/fill")
 
@@ -111,7 +113,7 @@ def geometry(pick: Pick) -> tuple[Any, ...]:
         return kind, pick((0.5, 1.0, 0.0)), pick((0.25, 1.0)), pick(SIZES)
     if kind == "points":
         return kind, pick((CLOUD, tuple(CLOUD[i % 4] for i in range(9)), LOCK, ()))
-    if kind == "curves":
+    if kind in ("curves", "ribbons"):
         basis = pick(("linear", "bspline", "catmullRom"))
         return kind, basis, pick(("nonperiodic", "periodic", "pinned")), pick((LOCK, CLOUD))
     if kind in ("array", "forest"):
@@ -119,7 +121,9 @@ def geometry(pick: Pick) -> tuple[Any, ...]:
     if kind == "box":
         return kind, pick((False, True)), BOX
     if kind == "blob":
-        return kind, pick((1, 2, 0)), BOX
+        return kind, pick((1, 2, 0)), BOX, pick(range(len(scenes.TAGS)))
+    if kind == "shell":
+        return kind, pick(range(len(scenes.TOPOLOGIES))), BOX
     if kind == "pair":
         return kind, 0.5, pick((*MATERIALS, *PAPERS))
     if kind in ("sphere", "cube"):
@@ -168,7 +172,7 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "resize": lambda pick: ("resize", pick(NAMES), (pick((0.5, 1.5)), pick((1.0, 0.7)))),
     "deform": lambda pick: (
         "deform",
-        pick((*NAMES, *MANY)),
+        pick((*NAMES, *MANY, "/shell", "/blob")),
         pick(range(8)),
         pick(((0.3, 0.0, 0.0), (0.0, 0.25, -0.5))),
     ),
@@ -179,6 +183,20 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
         pick((0.0, 0.1, 0.5)),
     ),
     "entry": lambda pick: ("entry", pick((*NAMES, "/swarm")), pick((0, 1, 2, 5, 7)), entry(pick)),
+    "dye": lambda pick: (
+        "dye",
+        pick(DYED),
+        tuple(pick(DYES) for _ in range(pick((1, 2, 5, 0)))),
+    ),
+    "wear the dye": lambda pick: ("bind", pick(DYED[:-2]), "/dyed"),
+    "faces": lambda pick: ("retag", pick((*NAMES, "/shell")), "shell", pick(range(5))),
+    "creases": lambda pick: ("retag", pick((*NAMES, "/blob")), "blob", pick(range(6))),
+    "dyed opacity": lambda pick: (
+        "texture",
+        "/dyed",
+        pick(("opacity", "opacity", "roughness")),
+        pick(({"primvar": "dye", "channel": "b"}, None)),
+    ),
     "thin": lambda pick: ("thin", pick((*NAMES, *MANY)), pick(range(5))),
     "add": lambda pick: ("object", pick(NAMES), geometry(pick), transform(pick), pick(MATERIALS)),
     "coincide": lambda pick: ("copy", pick(NAMES), pick(NAMES), pick(MATERIALS)),
@@ -220,6 +238,26 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
 }
 
 
+def bazaar() -> scenes.State:
+    """What primvars, topologies and creases are edited on, and an array."""
+    state = scenes.initial()
+    beside = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (-1.0, 0.0, -4, 1))
+    behind = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1.0, 0.0, -6, 1))
+    band = ("ribbons", "catmullRom", "pinned", LOCK)
+    state.apply(
+        [
+            ("object", "/band", band, scenes.floor(1.0), "/dyed"),
+            ("object", "/shell", ("shell", 0, BOX), beside, "/dyed"),
+            ("object", "/blob", ("blob", 1, BOX, 1), behind, "/mirror"),
+            ("object", "/cloud", ("points", CLOUD), scenes.floor(0.6), "/dyed"),
+            ("object", "/swarm", ("array", SWARM, 1.0), scenes.floor(1.0), ""),
+            ("dye", "/swarm", DYES[:2]),
+            ("light", "/fill", ("point", (0.5, 2.0, -3.0), (8.0, 4.0, 4.0), True)),
+        ]
+    )
+    return state
+
+
 def swarm() -> scenes.State:
     """The crowd, and an array among it."""
     state = scenes.crowd()
@@ -235,6 +273,7 @@ STARTS: dict[str, Callable[[], scenes.State]] = {
     "hall": scenes.hall,
     "papered": scenes.papered,
     "swarm": swarm,
+    "bazaar": bazaar,
 }
 
 

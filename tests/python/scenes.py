@@ -4,13 +4,15 @@
 A geometry is ("sphere", radius), ("cube", size), ("cylinder", radius, height), ("cone", ...),
 ("capsule", ...), ("plane", width, length), ("frustum" or "round_cone", radius_bottom, radius_top,
 height), ("box", single_sided, corners[, faces, paints]), its faces' materials by place in paints, 0
-the object's own, ("blob", level, corners), a creased subdivision surface, ("sheet", size, tiling),
-a square mesh, ("points", ((x, y, z, width), ...)), ("curves", basis, wrap, ((x, y, z, width),
-...)), ("pair", radius, material), an instance, or ("array" or "forest", ((key, prototype, offset,
-scale), ...), size), instances, or instances of instances; a material is the arguments of
+the object's own, ("blob", level, corners[, tags]), a creased subdivision surface by one of TAGS,
+("shell", topology, corners), a box of the faces of one of TOPOLOGIES, ("sheet", size, tiling),
+a square mesh, ("points", ((x, y, z, width), ...)), ("curves" or "ribbons", basis, wrap, ((x, y, z,
+width), ...)), ("pair", radius, material), an instance, or ("array" or "forest", ((key, prototype,
+offset, scale), ...), size), instances, or instances of instances; a material is the arguments of
 _core.Material, and perhaps "textured", see textures.py; a light is ("distant", direction,
 irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of _core may
-stand in their place.
+stand in their place. An object is (geometry, matrix, material), or has colours besides: its primvar
+"dye", by point, ball or entry, as many as there are, over and over.
 """
 
 from dataclasses import dataclass, field
@@ -22,6 +24,7 @@ import numpy as np
 import textures
 from irt_usd import _core
 
+MANY = (("points",), ("curves",), ("ribbons",))
 AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
 
 Edit = tuple[Any, ...]
@@ -42,11 +45,27 @@ BOX_FACES = np.array(
     [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3], np.int32
 )
 ST: Any = {"st": ("constant", np.array([[0.3, 0.7]], np.float32), None)}
+QUADS = tuple(tuple(BOX_FACES[4 * i : 4 * i + 4].tolist()) for i in range(6))
+TOPOLOGIES: tuple[tuple[tuple[int, ...], ...], ...] = (
+    QUADS,
+    QUADS[:5],
+    tuple(face for q in QUADS for face in (q[:3], (q[0], *q[2:]))),
+    (*QUADS[1:], (0, 1, 5, 3, 2)),
+    (*QUADS[2:], QUADS[0][::-1], (4, 6), (7, 5, 5)),
+)
+TAGS: tuple[dict[str, Any], ...] = (
+    {"crease_indices": BOX_FACES[:4], "crease_lengths": [4], "crease_sharpnesses": [1.5]},
+    {"crease_indices": BOX_FACES[:4], "crease_lengths": [4], "crease_sharpnesses": [10]},
+    {"crease_indices": [0, 1, 1, 3], "crease_lengths": [2, 2], "crease_sharpnesses": [0.5, 3]},
+    {"corner_indices": [0, 6], "corner_sharpnesses": [10, 1.5], "hole_indices": [4]},
+    {"interpolate_boundary": "none", "hole_indices": [0, 1]},
+    {"scheme": "bilinear"},
+)
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
 
 
 @cache
-def geometry(shape: tuple[Any, ...]) -> Any:
+def geometry(shape: tuple[Any, ...], dye: tuple[Any, ...] = ()) -> Any:
     """The record of a geometry; equal ones are one, so that instances share their prototype."""
     kind, *sizes = shape
     if kind == "box":
@@ -54,7 +73,7 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         points = np.array(corners, np.float32)
         counts = np.full(6, 4, np.int32)
         tiled = np.concatenate([CORNERS * (1 + face) - 0.25 for face in range(6)])
-        st: Any = {"st": ("faceVarying", tiled, None)}
+        st: Any = {"st": ("faceVarying", tiled, None)} | dyed(dye, len(points))
         if not paint or not any(paint[0]):
             return _core.Mesh(points, counts, BOX_FACES, single_sided=single_sided, primvars=st)
         # Painted faces have normals of their own, too.
@@ -78,15 +97,28 @@ def geometry(shape: tuple[Any, ...]) -> Any:
             points,
             np.array([4], np.int32),
             np.arange(4, dtype=np.int32),
-            primvars={"st": ("vertex", CORNERS * np.float32(tiling), None)},
+            primvars={"st": ("vertex", CORNERS * np.float32(tiling), None)} | dyed(dye, 4),
+        )
+    if kind == "shell":
+        topology, corners = sizes
+        polygons = TOPOLOGIES[topology]
+        return _core.Mesh(
+            np.array(corners, np.float32),
+            np.array([len(polygon) for polygon in polygons], np.int32),
+            np.array([i for polygon in polygons for i in polygon], np.int32),
+            primvars=dyed(dye, len(corners)),
         )
     if kind == "blob":
-        level, corners = sizes
-        cage = _core.Mesh(np.array(corners, np.float32), np.full(6, 4, np.int32), BOX_FACES)
-        crease = {"crease_indices": BOX_FACES[:4], "crease_lengths": np.array([4], np.int32)}
-        sharp = np.array([1.5], np.float32)
-        rules = {"scheme": "catmullClark", "level": level, "crease_sharpnesses": sharp, **crease}
-        return _core.Subdivider(**rules).refine(cage)
+        level, corners, *tags = sizes
+        points, counts = np.array(corners, np.float32), np.full(6, 4, np.int32)
+        primvars = dyed(dye, len(corners))
+        cage = _core.Mesh(points, counts, BOX_FACES, primvars=primvars)
+        rules = {"scheme": "catmullClark", **TAGS[tags[0] if tags else 0]}
+        for name, value in rules.items():
+            if isinstance(value, list):
+                sharp = name.endswith("sharpnesses")
+                rules[name] = np.array(value, np.float32 if sharp else np.int32)
+        return _core.Subdivider(level=level, **rules).refine(cage)
     if kind == "pair":
         radius, material = sizes
         ball, box = ("sphere", radius), ("box", False, BOX)
@@ -94,26 +126,54 @@ def geometry(shape: tuple[Any, ...]) -> Any:
         return _core.Prototype([(n, geometry(g), np.eye(4), m, ST, ()) for n, g, m in parts])
     if kind in ("array", "forest"):
         entries, size = sizes
-        return array(entries, size, kind == "forest")
-    if kind in ("points", "curves"):
+        return array(entries, size, kind == "forest", dye)
+    if kind in ("points", "curves", "ribbons"):
         balls = np.array(sizes[-1], np.float32).reshape(-1, 4)
         points, widths = balls[:, :3], balls[:, 3]
         each: Any = {"st": ("vertex", np.ascontiguousarray(points[:, :2]), None)}
+        each |= dyed(dye, len(balls))
         if kind == "points":
             return _core.Spheres(points, widths, each)
         basis, wrap, _ = sizes
         counts = np.array([len(balls)], np.int32)
-        return _core.Curves(points, counts, widths, "vertex", basis, wrap, 3, each)
+        if kind == "curves":
+            return _core.Curves(points, counts, widths, "vertex", basis, wrap, 3, each)
+        return _core.Mesh.ribbons(
+            points,
+            counts,
+            widths,
+            points[:, ::-1] + np.float32(0.5),
+            widths_interpolation="vertex",
+            normals_interpolation="vertex",
+            basis=basis,
+            wrap=wrap,
+            segments=3,
+            primvars=each,
+        )
     return getattr(_core.Quadric, kind)(*sizes)
 
 
-def array(entries: tuple[tuple[Any, ...], ...], size: float, nested: bool) -> _core.InstanceArray:
+def dyed(colors: tuple[Any, ...], count: int) -> dict[str, Any]:
+    if not colors or count == 0:
+        return {}
+    values = [colors[i % len(colors)] for i in range(count)]
+    return {"dye": ("vertex", np.array(values, np.float32), None)}
+
+
+def array(
+    entries: tuple[tuple[Any, ...], ...], size: float, nested: bool, dye: tuple[Any, ...]
+) -> _core.InstanceArray:
     """Entries: key, prototype (0, 1, 2), where it is, scale. Nested: of arrays of the same."""
     pair, ball, box = ("pair", 0.5 * size, "/glass"), ("sphere", size), ("box", False, BOX)
     prototypes = [
         geometry(pair),
         _core.Prototype([("ball", geometry(ball), np.eye(4), "/mirror", ST, ())]),
-        _core.Prototype([("box", geometry(box), 0.5 * np.eye(4) + HALF_W, "/red", ST, ())]),
+        _core.Prototype(
+            [
+                ("box", geometry(box), 0.5 * np.eye(4) + HALF_W, "/red", ST, ()),
+                ("dyed", geometry(("sphere", 0.4 * size)), np.eye(4), "/dyed", {}, ()),
+            ]
+        ),
     ]
     rows = np.zeros((len(entries), 4, 3))
     for row, (_, _, offset, scale) in zip(rows, sorted(entries), strict=True):
@@ -128,19 +188,22 @@ def array(entries: tuple[tuple[Any, ...], ...], size: float, nested: bool) -> _c
             ("ball", geometry(ball), np.eye(4), "/red", {}, ()),
         ]
         prototypes[1] = _core.Prototype(inner)
-    return _core.InstanceArray(prototypes, rows, kinds, keys)
+    return _core.InstanceArray(prototypes, rows, kinds, keys, dyed(dye, len(rows)))
 
 
 PLAIN_ROLE = (True, False)
 """Seen by the camera, and not matte."""
 
 
-def object_record(shape: Any, matrix: Any, material: str, role: tuple[bool, bool]) -> Any:
+def object_record(
+    shape: Any, matrix: Any, material: str, role: tuple[bool, bool], dye: tuple[Any, ...] = ()
+) -> Any:
     """What ChangeSet.set_object takes."""
-    made = geometry(shape) if isinstance(shape, tuple) else shape
+    made = geometry(shape, dye) if isinstance(shape, tuple) else shape
     painted = isinstance(shape, tuple) and shape[0] == "box" and len(shape) > 3
+    whole = {"dye": ("constant", np.array(dye[:1], np.float32), None)} if dye else {}
     faces = shape[4] if painted else ()
-    return made, np.asarray(matrix, float), material, {}, faces, _core.PassRole(*role)
+    return made, np.asarray(matrix, float), material, whole, faces, _core.PassRole(*role)
 
 
 def material_record(material: Any) -> Any:
@@ -211,7 +274,7 @@ class State:
     def _role(self, name: str, role: tuple[bool, bool]) -> None:
         """In a render pass: whether the camera sees it, whether it is matte."""
         if name in self.objects:
-            self.objects[name] = (*self.objects[name][:3], role)
+            self.objects[name] = (*self.objects[name][:3], role, *self.objects[name][4:])
 
     def _remove(self, name: str) -> None:
         self.objects.pop(name, None)
@@ -250,7 +313,7 @@ class State:
     def _resize(self, name: str, factors: tuple[float, ...]) -> None:
         """Keyed radius, height and size."""
         shape, *others = self.objects.get(name, ((),))
-        if isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)):
+        if isinstance(shape, tuple) and shape[:1] in MANY:
             balls = tuple((*ball[:3], ball[3] * factors[0]) for ball in shape[-1])
             self.objects[name] = ((*shape[:-1], balls), *others)
         elif isinstance(shape, tuple) and len(shape) > 1 and shape[0] != "box":
@@ -262,11 +325,11 @@ class State:
     def _deform(self, name: str, corner: int, offset: tuple[float, ...]) -> None:
         """Moves one point of a mesh, a cloud or a curve."""
         shape, *others = self.objects.get(name, ((),))
-        if isinstance(shape, tuple) and shape[:1] in (("box",), ("blob",)):
+        if isinstance(shape, tuple) and shape[:1] in (("box",), ("blob",), ("shell",)):
             corners = list(shape[2])
             corners[corner] = tuple(a + b for a, b in zip(corners[corner], offset, strict=True))
             self.objects[name] = ((*shape[:2], tuple(corners), *shape[3:]), *others)
-        elif isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
+        elif isinstance(shape, tuple) and shape[:1] in MANY and shape[-1]:
             balls = list(shape[-1])
             ball = balls[corner % len(balls)]
             moved = tuple(a + b for a, b in zip(ball[:3], offset, strict=True))
@@ -276,7 +339,7 @@ class State:
     def _widen(self, name: str, which: int, width: float) -> None:
         """Another width of one point of a cloud or a curve."""
         shape, *others = self.objects.get(name, ((),))
-        if isinstance(shape, tuple) and shape[:1] in (("points",), ("curves",)) and shape[-1]:
+        if isinstance(shape, tuple) and shape[:1] in MANY and shape[-1]:
             balls = list(shape[-1])
             balls[which % len(balls)] = (*balls[which % len(balls)][:3], width)
             self.objects[name] = ((*shape[:-1], tuple(balls)), *others)
@@ -284,7 +347,7 @@ class State:
     def _thin(self, name: str, which: int) -> None:
         """One point fewer."""
         shape, *others = self.objects.get(name, ((),))
-        least = {"points": 0, "curves": 4}
+        least = {"points": 0, "curves": 4, "ribbons": 4}
         if isinstance(shape, tuple) and shape and shape[0] in least:
             balls = list(shape[-1])
             if len(balls) > least[shape[0]]:
@@ -308,8 +371,21 @@ class State:
 
     def _bind(self, name: str, material: str) -> None:
         if name in self.objects:
-            shape, matrix, _, role = self.objects[name]
-            self.objects[name] = (shape, matrix, material, role)
+            shape, matrix, _, *dye = self.objects[name]
+            self.objects[name] = (shape, matrix, material, *dye)
+
+    def _dye(self, name: str, colors: tuple[Any, ...]) -> None:
+        """Another primvar."""
+        if name in self.objects:
+            self.objects[name] = (*self.objects[name][:4], colors)
+
+    def _retag(self, name: str, kind: str, which: int) -> None:
+        """Other creases, corners, holes of a "blob", or faces of a "shell"."""
+        shape, *others = self.objects.get(name, ((),))
+        if isinstance(shape, tuple) and shape[:1] == (kind,):
+            blob = (*shape[:3], which % len(TAGS))
+            shell = ("shell", which % len(TOPOLOGIES), shape[2])
+            self.objects[name] = (blob if kind == "blob" else shell, *others)
 
     # ---- materials and lights
 
@@ -406,6 +482,7 @@ def initial() -> State:
             ("material", "/mirror", {"metallic": 1.0, "roughness": 0.0}),
             ("material", "/lamp", {"emissive_color": (1, 1, 1)}),
             ("material", "/leaf", {"opacity": 0.2, "opacity_threshold": 0.5}),
+            ("material", "/dyed", {"textured": {"diffuse_color": {"primvar": "dye"}}}),
             *papers(),
             ("object", "/floor", ("plane", 8.0, 8.0), floor(), "/red"),
             ("object", "/a", ("sphere", 0.5), floor(1.0), "/glass"),

@@ -4,8 +4,10 @@
 from typing import Any
 
 import numpy as np
+import pytest
 
-from conftest import MakeShot
+from conftest import MakeShot, ReadShot
+from irt_usd import _core
 from irt_usd.changes import diff
 from irt_usd.stage import ObjectState, Snapshot
 
@@ -195,6 +197,137 @@ def test_instancers_nest_but_not_in_themselves(shot: MakeShot) -> None:
     looped = shot(instancer(ROW, PROTOTYPES, "</I>, </I/P1>"), name="loop.usda")
     looped.read()
     assert "holds the instancer itself" in looped.notices("skipped")[0]
+
+
+COLORS = "color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0)]"
+
+
+def colors(interpolation: str = "vertex", declared: str = COLORS) -> str:
+    return f'{declared} (interpolation = "{interpolation}")\n'
+
+
+@pytest.mark.parametrize("interpolation", ["vertex", "varying", "faceVarying"])
+def test_primvars_by_instance(shot: MakeShot, interpolation: str) -> None:
+    opened = shot(instancer(ROW + colors(interpolation) + "int64[] ids = [9, 7, 5, 3]"))
+    values = values_of(opened.read())
+    assert list(values["keys"]) == [3, 5, 7, 9]
+    shown = values["primvars:irt:displayColor"].tolist()
+    assert shown == [[1, 1, 0], [0, 0, 1], [0, 1, 0], [1, 0, 0]]
+    assert not opened.notices("skipped")
+    assert not opened.notices("unsupported")
+
+
+def test_masked_entries_have_no_primvars(shot: MakeShot) -> None:
+    indexed = (
+        COLORS + ' (interpolation = "vertex")\nint[] primvars:displayColor:indices = [3, 2, 1, 0]\n'
+    )
+    opened = shot(instancer(ROW + indexed + "int64[] invisibleIds = [1]"))
+    values = values_of(opened.read())
+    taken = values["primvars:irt:displayColor"][values["primvars:irt:displayColor:indices"]]
+    assert taken.tolist() == [[1, 1, 0], [0, 1, 0], [1, 0, 0]]
+
+
+@pytest.mark.parametrize("interpolation", ["constant", "uniform"])
+def test_primvars_of_all_instances(shot: MakeShot, interpolation: str) -> None:
+    one = colors(interpolation, "color3f[] primvars:displayColor = [(1, 0, 0)]")
+    body = 'def Sphere "B" {}' + instancer(ROW.replace("1", "0"), "", "</B>").replace(
+        "rel prototypes", one + "rel prototypes"
+    )
+    values = values_of(shot(body).read())
+    assert values["primvars:irt:displayColor"].tolist() == [[1, 0, 0]]
+    assert values["primvars:irt:displayColor:interpolation"] == "constant"
+
+
+def test_primvars_of_the_wrong_size_are_reported(shot: MakeShot) -> None:
+    wrong = colors("vertex", "color3f[] primvars:displayColor = [(1, 0, 0)]")
+    opened = shot(instancer(ROW + wrong))
+    assert "primvars:irt:displayColor" not in values_of(opened.read())
+    assert "it has 1 elements, expected 4" in opened.notices("skipped")[0]
+
+
+def seen(opened: ReadShot, time: float = 1.0) -> np.ndarray:
+    """The colours at the centres of the instances of ROW, lit from the camera."""
+    camera = _core.Camera(translated(3, 0.5, 20), (-4, 4, -1, 1), True)
+    view = _core.ViewSettings(80, 20, aovs=("albedo",))
+    renderer = _core.Renderer(camera, view, history=False)
+    renderer.update(diff(None, opened.read(time)).core)
+    albedo = renderer.aov("albedo")
+    return np.array([albedo[14, 9 + 20 * i] for i in range(4)]).round(5)
+
+
+def translated(*offset: float) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[3, :3] = offset
+    return matrix
+
+
+def test_instances_are_seen_in_their_colours(shot: MakeShot) -> None:
+    balls = 'def Sphere "P0" {\ndouble radius = 0.5\n}\ndef Cube "P1" {\ndouble size = 1\n}\n'
+    by_entry = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]
+    assert seen(shot(instancer(ROW + colors(), balls))).tolist() == by_entry
+    # What a prim has itself comes first, be it inherited within the prototype.
+    own = balls.replace("= 0.5", "= 0.5\ncolor3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]")
+    grey = [[0.5] * 3, by_entry[1], [0.5] * 3, by_entry[3]]
+    assert seen(shot(instancer(ROW + colors(), own), name="own.usda")).tolist() == grey
+    # Animated, it is a change of shading alone.
+    declared = 'color3f[] primvars:displayColor (interpolation = "vertex")\n'
+    first, second = COLORS.split(" = ")[1].replace("(1, 0, 0)", "(0, 0, 1)"), COLORS.split(" = ")[1]
+    keyed = f"color3f[] primvars:displayColor.timeSamples = {{ 1: {first}, 2: {second} }}\n"
+    opened = shot(instancer(ROW + declared + keyed, balls), name="keyed.usda", frames=(1.0, 2.0))
+    assert seen(opened, 1.0).tolist() == [[0, 0, 1], *by_entry[1:]]
+    assert seen(opened, 2.0).tolist() == by_entry
+
+
+def test_the_inner_instancer_gives_first(shot: MakeShot) -> None:
+    inner = """
+    def PointInstancer "P0" {
+        rel prototypes = [</I/P0/B>]
+        int[] protoIndices = [0]
+        point3f[] positions = [(0, 0, 0)]
+        COLOR
+        def Sphere "B" {
+double radius = 0.5
+}
+    }
+    def Cube "P1" {
+double size = 1
+}
+    """
+    outer = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]
+    opened = shot(instancer(ROW + colors(), inner.replace("COLOR", "")))
+    assert seen(opened).tolist() == outer
+    white = colors("vertex", "color3f[] primvars:displayColor = [(1, 1, 1)]")
+    opened = shot(instancer(ROW + colors(), inner.replace("COLOR", white)), name="inner.usda")
+    assert seen(opened).tolist() == [[1] * 3, outer[1], [1] * 3, outer[3]]
+
+
+def test_materials_read_primvars_by_instance(shot: MakeShot) -> None:
+    looks = """
+def Material "M" {
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </M/R.outputs:result>
+        token outputs:surface
+    }
+    def Shader "R" {
+        uniform token info:id = "UsdPrimvarReader_float3"
+        string inputs:varname = "dye"
+        float3 outputs:result
+    }
+}
+"""
+    bound = """
+    def Sphere "P0" (
+prepend apiSchemas = ["MaterialBindingAPI"]
+) {
+double radius = 0.5
+rel material:binding = </M>
+}
+    """
+    dyes = COLORS.replace("displayColor", "dye")
+    body = looks + instancer(ROW.replace("1", "0") + colors("varying", dyes), bound, "</I/P0>")
+    assert seen(shot(body)).tolist() == [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]
 
 
 def test_a_moving_instancer_keeps_its_entries(shot: MakeShot) -> None:

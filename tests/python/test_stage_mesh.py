@@ -39,15 +39,25 @@ def test_polygons_arrive_as_authored(shot: MakeShot) -> None:
     assert len(made.report.notices) == 1
 
 
-def test_what_cannot_be_subdivided_is_the_control_cage(shot: MakeShot) -> None:
+def test_bad_creases_are_left_out(shot: MakeShot) -> None:
     creases = "int[] creaseIndices = [0, 77]\nint[] creaseLengths = [2]\n"
     body = QUADS + creases + "float[] creaseSharpnesses = [1]"
     made = shot(mesh(body), options=ReadOptions(level=2))
     geometry = made.read().objects["/M"].shape.geometry()
     assert isinstance(geometry, _core.Mesh)
+    assert len(geometry.points) == 45
+    (text,) = made.notices("skipped")
+    assert "subdivided without crease 0: it names point 77, but there are 6" in text
+
+
+def test_what_cannot_be_subdivided_is_the_control_cage(shot: MakeShot) -> None:
+    body = QUADS + 'uniform token subdivisionScheme = "loop"'
+    made = shot(mesh(body), options=ReadOptions(level=2))
+    geometry = made.read().objects["/M"].shape.geometry()
+    assert isinstance(geometry, _core.Mesh)
     assert len(geometry.points) == 6
     (text,) = made.notices("skipped")
-    assert "not subdivided, the control cage is rendered: creaseIndices name points" in text
+    assert "not subdivided, the control cage is rendered: Loop subdivision takes" in text
 
 
 def test_subdivision_by_level(shot: MakeShot) -> None:

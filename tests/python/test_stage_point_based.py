@@ -195,11 +195,34 @@ def test_counts_must_add_up(shot: MakeShot) -> None:
     assert "sum to 4, but there are 8 points" in made.notices("skipped")[0]
 
 
-def test_ribbons_become_tubes_and_are_reported(shot: MakeShot) -> None:
-    normal = 'normal3f[] normals = [(0,0,1)] (\ninterpolation = "constant"\n)\n'
+@pytest.mark.parametrize(
+    ("values", "interpolation"),
+    [
+        ("(0,0,1)", "constant"),
+        ("(0,0,1), (0,1,0)", "uniform"),
+        (", ".join(["(0,0,1)"] * 4), "varying"),
+        (", ".join(["(0,0,1)"] * 8), "vertex"),
+    ],
+)
+@pytest.mark.parametrize("name", ["normals", "primvars:normals"])
+def test_curves_with_normals_are_ribbons(
+    shot: MakeShot, name: str, values: str, interpolation: str
+) -> None:
+    normal = f'normal3f[] {name} = [{values}] (\ninterpolation = "{interpolation}"\n)\n'
     made = shot(curves(CURVES + normal + widths("1", "constant")))
-    assert "/P" in made.read().objects
-    assert "round tubes" in made.notices("unsupported")[0]
+    geometry = made.read().objects["/P"].shape.geometry()
+    assert isinstance(geometry, core.Mesh)
+    assert len(geometry.face_vertex_counts) == 2 * 8
+    assert not made.notices("unsupported")
+    assert not made.notices("skipped")
+
+
+def test_ribbons_whose_normals_do_not_fit_are_tubes(shot: MakeShot) -> None:
+    normal = 'normal3f[] normals = [(0,0,1), (0,0,1), (0,1,0)] (\ninterpolation = "vertex"\n)\n'
+    made = shot(curves(CURVES + normal + widths("1", "constant")))
+    assert isinstance(made.read().objects["/P"].shape.geometry(), core.Curves)
+    assert "there are 3 normals; expected 8" in made.notices("skipped")[0]
+    assert "round tubes" in made.notices("skipped")[0]
 
 
 @pytest.mark.parametrize("kind", ["NurbsCurves", "HermiteCurves"])

@@ -316,6 +316,29 @@ def test_inside_native_instances(shot: MakeShot, tmp_path: Path) -> None:
     np.testing.assert_allclose(world_points(objects["/I/M"]), alone, atol=1e-6)
     moved = alone + np.array([7, 0, 0])
     np.testing.assert_allclose(world_points(objects["/J/M"]), moved, atol=1e-6)
+    assert objects["/I/M"].shape is objects["/J/M"].shape
+
+
+def test_native_instances_of_other_poses_are_their_own(shot: MakeShot, tmp_path: Path) -> None:
+    unbound = rigged(influences()).replace("rel skel:animationSource", "custom rel ignored")
+    (tmp_path / "rig.usda").write_text(f"#usda 1.0\n{unbound}")
+    pose = (
+        'def SkelAnimation "{0}Pose"\n{{\n uniform token[] joints = ["A"]\n'
+        " float3[] translations = [(0, 0, 0)]\n quatf[] rotations = [{1}]\n"
+        ' half3[] scales = [(1, 1, 1)]\n}}\ndef "{0}" (\n instanceable = true\n'
+        ' references = @./rig.usda@</R>\n prepend apiSchemas = ["SkelBindingAPI"]\n)\n{{\n'
+        " rel skel:animationSource = </{2}Pose>\n}}\n"
+    )
+    still, turned = "(1, 0, 0, 0)", "(0.6, 0.8, 0, 0)"
+    made = shot(
+        pose.format("I", still, "I") + pose.format("J", turned, "J") + pose.format("K", still, "J")
+    )
+    objects = made.read(3).objects
+    shapes = [objects[f"/{name}/M"].shape for name in "IJK"]
+    assert shapes[1] is shapes[2]
+    assert shapes[0] is not shapes[1]
+    different = world_points(objects["/I/M"]) - world_points(objects["/J/M"])
+    assert np.abs(different).max() > 0.1
 
 
 def test_updates_are_exact(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@
 A texture is a dictionary: `image`, ("noise", seed, size, channels, dtype) or ("bumps", seed, size),
 a field of normals, or no picture at all but ("solid", operation, space, frequency), a noise over
 positions in that space, or ("view",), which goes by the ray's direction; `channel`; `transfer`;
-`wrap`; `turn`, (scale, degrees, offset) of st; `scale` and `bias` of what was looked up.
+`wrap`; `turn`, (scale, degrees, offset) of st; `scale` and `bias` of what was looked up. Or it is a
+`primvar`, with its `channel`, `scale` and `bias`.
 """
 
 from functools import cache
@@ -60,8 +61,12 @@ def graph(textured: dict[str, dict[str, Any]]) -> dict[str, Any]:
     nodes = [_core.ShadeNode("primvar", primvar="st")]
     connected = {}
     for name, spec in textured.items():
+        channel = spec.get("channel", "r" if name in SCALARS else "rgb")
         gain, bias = spec.get("scale", 1.0), spec.get("bias", 0.0)
-        if spec["image"][0] in ("solid", "view"):
+        if "primvar" in spec:
+            fallback = [(0.5, 0.75, 1.0)]
+            nodes.append(_core.ShadeNode("primvar", [-1], fallback, primvar=spec["primvar"]))
+        elif spec["image"][0] in ("solid", "view"):
             nodes += pattern(spec["image"], len(nodes))
         else:
             scale, degrees, offset = spec.get("turn", (1.0, 0.0, 0.0))
@@ -77,6 +82,5 @@ def graph(textured: dict[str, dict[str, Any]]) -> dict[str, Any]:
             _core.ShadeNode("multiply", [last], [0, gain]),
             _core.ShadeNode("add", [last + 1], [0, bias]),
         ]
-        channel = spec.get("channel", "r" if name in SCALARS else "rgb")
         connected[name] = (last + 2, channel)
     return {"nodes": nodes if connected else [], "connected": connected}

@@ -161,22 +161,23 @@ std::optional<Value> primvar_value(const Site& site, std::string_view name) {
         }
     }
     // Across a ball's or a curve's width no primvar varies; along a curve it is not followed.
-    const auto take = [&](const Primvar& primvar, const PrimvarValue& value) {
-        for (std::size_t i = 0; i < static_cast<std::size_t>(primvar.width); ++i)
-            out[i] = {value[i], 0, 0};
+    const auto take = [&](int width, const PrimvarValue& value) {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) out[i] = {value[i], 0, 0};
         return out;
     };
     const trace::Hit& hit = site.hit;
     if (const Spheres* const spheres = site.surface.spheres.get()) {
         if (const Primvar* const primvar = find_primvar(spheres->primvars, name))
-            return take(*primvar, primvar_at(*spheres, *primvar, hit.primitive));
+            return take(primvar->width, primvar_at(*spheres, *primvar, hit.primitive));
     } else if (const Curves* const curves = site.surface.curves.get()) {
         if (const Primvar* const primvar = find_primvar(curves->primvars, name))
-            return take(*primvar, primvar_at(*curves, *primvar, hit.primitive, hit.u));
+            return take(primvar->width, primvar_at(*curves, *primvar, hit.primitive, hit.u));
     }
-    const Primvar* const primvar = find_primvar(site.surface.primvars, name);
-    if (!primvar) return std::nullopt;
-    return take(*primvar, constant_value(*primvar));
+    if (const Primvar* const primvar = find_primvar(site.surface.primvars, name))
+        return take(primvar->width, constant_value(*primvar));
+    if (const auto given = instance_primvar(site.scene, hit, name))
+        return take(given->width, given->value);
+    return std::nullopt;
 }
 
 SurfaceValues evaluate(const Material& material, const Site& site) {

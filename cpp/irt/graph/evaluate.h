@@ -27,14 +27,15 @@ struct Place {
 /// Where on a surface, and how far the triangle's weights change along the axes of the ray's
 /// footprint; all 0: the footprint is a point.
 struct Site {
+    const Scene& scene;
     const Surface& surface;
     const trace::Hit& hit;
     double u_x = 0, v_x = 0, u_y = 0, v_y = 0;
     const Place* place = nullptr;  ///< given where reads_place
 };
 
-/// A primvar's value: of the mesh, points or curves, else a constant one of the object or part.
-/// Empty where there is none.
+/// A primvar's value: of the mesh, points or curves, else a constant one of the object or part,
+/// else of the instance. Empty where there is none.
 [[nodiscard]] std::optional<Value> primvar_value(const Site& site, std::string_view name);
 
 /// All inputs of `material` at `site`, brought within the specification's ranges.

@@ -298,6 +298,13 @@ void check_array(const InstanceArray& array, const std::string& path) {
     constexpr std::int64_t most = std::int64_t{1} << 62;
     if (!array.keys.empty() && (array.keys.front() < -most || array.keys.back() > most))
         refuse(path, "keys must lie within 2^62 of 0");
+    check_names(array.primvars, path);
+    for (const Primvar& primvar : array.primvars) {
+        const bool constant = primvar.interpolation == Interpolation::Constant;
+        if (!constant && primvar.interpolation != Interpolation::Vertex)
+            refuse(path, "primvar " + primvar.name + " must be constant or by entry");
+        check(primvar, constant ? 1 : count, path);
+    }
 }
 
 void add_materials(const Surface& surface, std::vector<std::uint32_t>& slots) {

@@ -24,6 +24,8 @@ struct ControlCurves {
     std::vector<std::int32_t> vertex_counts;
     std::vector<float> widths;  ///< diameters
     Interpolation widths_interpolation = Interpolation::Constant;
+    std::vector<V3f> normals = {};  ///< of ribbons; empty: tubes
+    Interpolation normals_interpolation = Interpolation::None;
     Primvars primvars = {};
 };
 

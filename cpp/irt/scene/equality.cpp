@@ -2,6 +2,7 @@
 #include "irt/scene/equality.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "irt/math/bits.h"
 
@@ -26,10 +27,28 @@ bool same(const InstanceArray& a, const InstanceArray& b) {
                       b.prototypes.end(),
                       [](const auto& p, const auto& q) { return p == q || same(*p, *q); }) &&
            same_bits(a.prototype_of, b.prototype_of) && same_bits(a.keys, b.keys) &&
-           same_bits(a.array_from_prototype, b.array_from_prototype);
+           same_bits(a.array_from_prototype, b.array_from_prototype) &&
+           same(a.primvars, b.primvars);
+}
+
+/// The place of the value that entry `entry` has.
+std::size_t value_of(const Primvar& primvar, std::size_t entry) {
+    if (primvar.interpolation == Interpolation::Constant) entry = 0;
+    return primvar.indices.empty() ? entry : static_cast<std::size_t>(primvar.indices[entry]);
 }
 
 }  // namespace
+
+bool same_primvars(const InstanceArray& a, std::size_t i, const InstanceArray& b, std::size_t j) {
+    return std::equal(a.primvars.begin(), a.primvars.end(), b.primvars.begin(), b.primvars.end(),
+                      [&](const Primvar& p, const Primvar& q) {
+                          if (p.name != q.name || p.width != q.width) return false;
+                          const auto width = static_cast<std::size_t>(p.width);
+                          return std::memcmp(p.values.data() + width * value_of(p, i),
+                                             q.values.data() + width * value_of(q, j),
+                                             width * sizeof(float)) == 0;
+                      });
+}
 
 bool same(const Quadric& a, const Quadric& b) {
     return a.kind == b.kind && same_bits(a.radius, b.radius) && same_bits(a.height, b.height) &&

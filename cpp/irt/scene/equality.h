@@ -15,6 +15,8 @@ bool same_hits(const Mesh& a, const Mesh& b);
 bool same(const Spheres& a, const Spheres& b);
 bool same(const Curves& a, const Curves& b);
 bool same(const Prototype& a, const Prototype& b);
+/// Whether entry `i` of `a` has the primvars that entry `j` of `b` has.
+bool same_primvars(const InstanceArray& a, std::size_t i, const InstanceArray& b, std::size_t j);
 bool same(const Geometry& a, const Geometry& b);
 bool same(const Material& a, const Material& b);
 /// Whether both stop the same share of a shadow ray everywhere; false where that is hard to tell.

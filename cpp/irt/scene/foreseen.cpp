@@ -105,7 +105,7 @@ void Foreseen::add_array(const std::string& path, Object now) {
         };
         if (!(old && fresh) || moved ||
             !same_bits(was.array_from_prototype[i], is.array_from_prototype[j]) ||
-            !same_prototype()) {
+            !same_primvars(was, i, is, j) || !same_prototype()) {
             keys.push_back(old ? was.key(i) : is.key(j));
             if (fresh) add_box(path, entry_box(now, j));
         }

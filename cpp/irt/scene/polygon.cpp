@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/scene/polygon.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace irt {
 
@@ -39,18 +42,64 @@ bool convex(const std::vector<V2d>& p) {
     return true;
 }
 
-/// Whether corner `i` of the remaining polygon `left` is an ear: convex, and empty of the others.
-bool is_ear(const std::vector<V2d>& p, const std::vector<std::uint32_t>& left, std::size_t i) {
-    const std::size_t n = left.size();
-    const V2d &a = p[left[(i + n - 1) % n]], &b = p[left[i]], &c = p[left[(i + 1) % n]];
-    if (!(area(a, b, c) > 0)) return false;
-    for (std::size_t k = 0; k < n; ++k) {
-        const V2d& q = p[left[k]];
-        if (q == a || q == b || q == c) continue;
-        if (area(a, b, q) >= 0 && area(b, c, q) >= 0 && area(c, a, q) >= 0) return false;
+/// Shares of an edge's length that rounding may make of a touch.
+constexpr double touch = 1e-12;
+
+/// Whether the segment from `p` to `q` enters the inside of the counter-clockwise triangle abc.
+bool enters(const V2d& p, const V2d& q, const V2d& a, const V2d& b, const V2d& c) {
+    double first = 0, last = 1;
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+        const double s = area(from, to, p), t = area(from, to, q);
+        if (s <= 0 && t <= 0) return false;
+        if (s < 0) first = std::max(first, s / (s - t));
+        if (t < 0) last = std::min(last, s / (s - t));
     }
-    return true;
+    return last - first > touch;
 }
+
+/// What remains of a polygon: corners by their number, counter-clockwise.
+class Remainder {
+  public:
+    explicit Remainder(const std::vector<V2d>& points) : points_(points), left_(points.size()) {
+        std::iota(left_.begin(), left_.end(), 0u);
+    }
+    [[nodiscard]] std::size_t size() const { return left_.size(); }
+    /// Corner `i` and those beside it, the one before it first.
+    [[nodiscard]] std::array<std::uint32_t, 3> ear(std::size_t i) const {
+        const std::size_t n = left_.size();
+        return {left_[(i + n - 1) % n], left_[i], left_[(i + 1) % n]};
+    }
+    void cut(std::size_t i) { left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(i)); }
+
+    /// The first corner that can be cut off: a convex one whose triangle no edge enters (which
+    /// bounds no more than touching points and edges do), else one that is no corner, else (the
+    /// polygon crosses itself) any.
+    [[nodiscard]] std::size_t next_ear() const {
+        for (std::size_t i = 0; i < size(); ++i)
+            if (turn(i) > 0 && is_clear(i)) return i;
+        for (std::size_t i = 0; i < size(); ++i)
+            if (turn(i) == 0) return i;
+        return 0;
+    }
+
+  private:
+    [[nodiscard]] double turn(std::size_t i) const {
+        const auto [a, b, c] = ear(i);
+        return area(points_[a], points_[b], points_[c]);
+    }
+    [[nodiscard]] bool is_clear(std::size_t i) const {
+        const auto [a, b, c] = ear(i);
+        const std::size_t n = size();
+        for (std::size_t k = i + 1; k + 1 < i + n; ++k)
+            if (enters(points_[left_[k % n]], points_[left_[(k + 1) % n]], points_[a], points_[b],
+                       points_[c]))
+                return false;
+        return true;
+    }
+
+    const std::vector<V2d>& points_;
+    std::vector<std::uint32_t> left_;
+};
 
 }  // namespace
 
@@ -65,18 +114,13 @@ std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(const Mesh& mesh, 
             triangles.push_back({first, first + k, first + k + 1});
         return triangles;
     }
-    std::vector<std::uint32_t> left(count);
-    for (std::uint32_t k = 0; k < count; ++k) left[k] = k;
-    while (left.size() > 3) {
-        std::size_t ear = 0;
-        while (ear < left.size() && !is_ear(flat, left, ear)) ++ear;
-        if (ear == left.size()) ear = 0;  // crosses itself, or flat: any cut will do
-        const std::size_t n = left.size();
-        triangles.push_back(
-            {first + left[(ear + n - 1) % n], first + left[ear], first + left[(ear + 1) % n]});
-        left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+    Remainder left(flat);
+    while (left.size() >= 3) {
+        const std::size_t at = left.size() > 3 ? left.next_ear() : 1;
+        const auto [a, b, c] = left.ear(at);
+        triangles.push_back({first + a, first + b, first + c});
+        left.cut(at);
     }
-    triangles.push_back({first + left[0], first + left[1], first + left[2]});
     return triangles;
 }
 

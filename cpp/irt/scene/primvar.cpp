@@ -78,4 +78,24 @@ PrimvarValue primvar_at(const Curves& curves, const Primvar& primvar, std::uint3
     return value;
 }
 
+std::optional<InstancePrimvar> instance_primvar(const Scene& scene, const trace::Hit& hit,
+                                                std::string_view name) {
+    const Primvar* found = nullptr;
+    std::size_t at = 0;
+    const auto look = [&](const InstanceArray& array, std::size_t entry) {
+        const Primvar* const primvar = find_primvar(array.primvars, name);
+        if (!primvar) return;
+        found = primvar;
+        at = primvar->interpolation == Interpolation::Vertex ? entry : 0;
+    };
+    const ObjectSlot& object = scene.object(hit.object);
+    if (object.array) look(*object.array, scene.entry(hit.object));
+    if (const CompiledPrototype* const prototype = scene.prototype(hit.object))
+        (void)prototype->part(hit.part, [&](const NestedArray& array, std::uint32_t entry) {
+            look(*array.record, entry);
+        });
+    if (!found) return std::nullopt;
+    return InstancePrimvar{found->width, element(*found, at)};
+}
+
 }  // namespace irt

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "irt/scene/scene.h"
@@ -33,5 +34,13 @@ PrimvarValue primvar_at(const Triangles& triangles, const Primvar& primvar, std:
 PrimvarValue primvar_at(const Spheres& spheres, const Primvar& primvar, std::uint32_t ball);
 PrimvarValue primvar_at(const Curves& curves, const Primvar& primvar, std::uint32_t segment,
                         double u);
+
+/// What the arrays that the instance hit is in give by that name, the innermost that does.
+struct InstancePrimvar {
+    int width;
+    PrimvarValue value;
+};
+std::optional<InstancePrimvar> instance_primvar(const Scene& scene, const trace::Hit& hit,
+                                                std::string_view name);
 
 }  // namespace irt

@@ -155,6 +155,9 @@ struct InstanceArray {
     std::vector<std::uint32_t> prototype_of;  ///< by entry: into `prototypes`; empty: all the first
     std::vector<std::int64_t> keys;           ///< by entry, increasing; empty: 0, 1, 2, ...
     std::vector<Affine> array_from_prototype;  ///< by entry
+    /// Constant or Vertex (an entry): read where an entry's parts have none of the name, and where
+    /// arrays nest, no inner array has.
+    Primvars primvars = {};
 
     [[nodiscard]] std::size_t size() const { return array_from_prototype.size(); }
     [[nodiscard]] std::int64_t key(std::size_t entry) const {

@@ -376,6 +376,8 @@ void Scene::place_entries(std::uint32_t index, ObjectSlot next, AppliedChanges& 
     const ObjectSlot &now = objects_[index], &was = former.array;
     const bool moved = !same_bits(now.render_from_array, was.render_from_array) ||
                        now.record.role != was.record.role;
+    if (now.prototypes != was.prototypes) applied.renumbered.push_back(index);
+    bool repainted = false;
     std::size_t i = 0, j = 0;  // entries of the array that was and of that which is
     auto run = runs.begin();
     while (i < was.array->size() || j < now.array->size()) {
@@ -390,11 +392,23 @@ void Scene::place_entries(std::uint32_t index, ObjectSlot next, AppliedChanges& 
         if (!(old && fresh) || moved || !same_entry(was, i, now, j)) {
             applied.geometry.push_back(slot);
             if (old) former.entries.push_back(static_cast<std::uint32_t>(i));
+        } else if (!same_primvars(*was.array, i, *now.array, j)) {
+            applied.rebound.push_back(slot);
+            repainted = true;
+            if (tints_vary(now.prototype_of(j))) applied.retinted.push_back(slot);
         }
         i += old ? 1 : 0;
         j += fresh ? 1 : 0;
     }
+    if (repainted)
+        for (const std::uint32_t material : materials_of(now)) applied.unbound.push_back(material);
     if (!former.entries.empty()) applied.former.push_back(std::move(former));
+}
+
+/// Whether primvars may change how a prototype tints shadows.
+bool Scene::tints_vary(const CompiledPrototype& prototype) const {
+    return std::any_of(prototype.materials.begin(), prototype.materials.end(),
+                       [&](std::uint32_t material) { return materials_[material].tint_varies; });
 }
 
 /// Gives slots to those keys of `array` that have none yet.

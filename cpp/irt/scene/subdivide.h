@@ -40,11 +40,13 @@ struct Subdivision {
     std::vector<std::int32_t> hole_indices;
 };
 
+struct RefinedTopology;
+
 /// Subdivides cages by one set of rules. The refined topology is kept, and used again while cages
 /// have the topology of the one before: points and primvars alone may then differ.
 class Subdivider {
   public:
-    /// Throws std::invalid_argument on rules that contradict themselves.
+    /// Throws std::invalid_argument on a level that is out of range.
     explicit Subdivider(Subdivision rules);
     ~Subdivider();
     Subdivider(Subdivider&&) noexcept;
@@ -59,16 +61,19 @@ class Subdivider {
     /// of the edges of its corners, which is what usdview shows. Bilinear meshes have facets.
     ///
     /// Throws std::invalid_argument where OpenSubdiv refuses the topology, a Loop mesh has other
-    /// faces than triangles, or rules name points or faces that are not there.
+    /// faces than triangles, or holes name faces that are not there.
     Mesh refine(const Mesh& cage);
 
+    /// What of the rules the last cage was refined without, and why: creases and corners whose
+    /// arrays contradict each other, or that name what is not there.
+    [[nodiscard]] const std::vector<std::string>& left_out() const { return left_out_; }
+
   private:
-    struct Topology;
     [[nodiscard]] bool known(const Mesh& cage) const;
-    [[nodiscard]] std::unique_ptr<Topology> make_topology(const Mesh& cage) const;
 
     Subdivision rules_;
-    std::unique_ptr<Topology> topology_;  ///< null at level 0, and before the first cage
+    std::vector<std::string> contradictions_, left_out_;
+    std::unique_ptr<RefinedTopology> topology_;  ///< null at level 0, and before the first cage
 };
 
 /// A Subdivider's work on a single cage.

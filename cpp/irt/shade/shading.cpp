@@ -82,7 +82,7 @@ VisiblePoint Shading::visible_point(const trace::Ray& ray, const trace::Hit& hit
 /// Evaluates the material's graph at `point`; its shading normal is the outward one still.
 void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double travelled,
                             VisiblePoint& point) const {
-    graph::Site site{scene_.surface(hit.object, hit.part), hit};
+    graph::Site site{scene_, scene_.surface(hit.object, hit.part), hit};
     const M44d render_from_trace = scene_.render_from_trace(hit.object, hit.part);
     const double width = cone_.width + cone_.spread * (travelled + length(ray, hit.t));
     set_footprint(point.direction, point.surface.geometric_normal, width, render_from_trace, site);

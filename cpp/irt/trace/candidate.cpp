@@ -7,7 +7,7 @@ namespace irt::trace {
 
 OpticalDepth local_tint(const Scene& scene, const MaterialSlot& material, const Surface& surface,
                         const Ray& ray, const Hit& hit) {
-    graph::Site site{surface, hit};
+    graph::Site site{scene, surface, hit};
     if (!material.tint_reads_place) return graph::tint_at(material, site);
     const SurfacePoint point = surface_point(scene, ray, hit);
     const graph::Place place(scene, hit, point.position, point.shading_normal, V3d(ray.direction),

@@ -281,9 +281,7 @@ Intersector::Intersector(const std::string& isa, int threads, TreeOptions option
 
 Intersector::~Intersector() = default;
 
-void Intersector::release_meshes(const std::vector<std::uint32_t>& rebound) {
-    impl_->trees.release_meshes(rebound);
-}
+void Intersector::follow(const AppliedChanges& applied) { impl_->trees.follow(applied); }
 
 void Intersector::commit(const Scene& scene, const std::vector<std::uint32_t>& changed) {
     impl_->trees.commit(scene, changed);

@@ -61,8 +61,9 @@ class Intersector {
     /// std::runtime_error where that has other slots.
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
                 const TreesState& state);
-    /// Lets go of what the trees still hold of objects that shade otherwise where hit as before.
-    void release_meshes(const std::vector<std::uint32_t>& rebound);
+    /// Takes up what changed of the scene without changing any hit: lets go of what the trees still
+    /// hold of objects that shade otherwise, and finds arrays' prototypes where they stand now.
+    void follow(const AppliedChanges& applied);
 
     /// The nearest hit with 0 < t < ray.t_max; ties go to the lower (rank, part, primitive).
     [[nodiscard]] Hit nearest(const Ray& ray, QueryCounts& counts) const;

@@ -296,15 +296,19 @@ void Trees::take_object(std::uint32_t slot) {
     if (object.shape) attach_geometry(*object.shape, frame_);
 }
 
+Groups Trees::groups_of(const ObjectSlot& array) {
+    Groups groups;
+    for (const auto& prototype : array.prototypes) groups.push_back(group_of(prototype));
+    return groups;
+}
+
 /// Takes up an array, of which the entries `changed` did.
 void Trees::take_entries(std::uint32_t index, const std::vector<std::uint32_t>& changed,
                          const std::vector<bool>& hot) {
     const ObjectSlot& array = scene_->all_objects()[index];
     if (!objects_[index].entries) objects_[index].entries = std::make_unique<Entries>();
     Entries& entries = *objects_[index].entries;
-    Groups groups;
-    for (const auto& prototype : array.prototypes) groups.push_back(group_of(prototype));
-    entries.groups = std::move(groups);
+    entries.groups = groups_of(array);
     std::erase_if(entries.movers, [&](std::uint32_t slot) { return hot[slot]; });
     for (const std::uint32_t slot : changed) {
         if (!moves_[slot] && slot < still_slots_) ++entries.retired;
@@ -384,9 +388,13 @@ void Trees::build_moving() {
     moving_ = build(shapes);
 }
 
-/// Lets go of the meshes that `rebound` objects, met as before, no longer shade by.
-void Trees::release_meshes(const std::vector<std::uint32_t>& rebound) {
-    for (const std::uint32_t slot : rebound)
+/// Lets go of the meshes that rebound objects, met as before, no longer shade by; and finds the
+/// prototypes of arrays where they stand now.
+void Trees::follow(const AppliedChanges& applied) {
+    for (const std::uint32_t index : applied.renumbered)
+        if (Entries* entries = objects_[index].entries.get())
+            entries->groups = groups_of(scene_->all_objects()[index]);
+    for (const std::uint32_t slot : applied.rebound)
         if (Shape* shape = objects_[scene_->object_index(slot)].shape.get();
             shape && shape->triangles)
             shape->triangles = scene_->object(slot).surface.triangles;

@@ -105,7 +105,7 @@ class Trees {
     void commit(const Scene& scene, const std::vector<std::uint32_t>& changed,
                 const TreesState& state);
     [[nodiscard]] TreesState state() const;
-    void release_meshes(const std::vector<std::uint32_t>& rebound);
+    void follow(const AppliedChanges& applied);
 
     [[nodiscard]] const Scene* scene() const { return scene_; }
     [[nodiscard]] const Frame& frame() const { return frame_; }
@@ -140,6 +140,7 @@ class Trees {
     std::unique_ptr<Shape> make_nested(const NestedArray& array);
     std::unique_ptr<Shape> make_entries(const Entries& entries, std::vector<std::uint32_t> slots);
     std::shared_ptr<const Group> group_of(const std::shared_ptr<const CompiledPrototype>& key);
+    Groups groups_of(const ObjectSlot& array);
     void attach_geometry(Shape& shape, const Frame& frame);
     TreeHandle build(const std::vector<const Shape*>& shapes);
     std::vector<bool> take(const Scene& scene, const std::vector<std::uint32_t>& changed);

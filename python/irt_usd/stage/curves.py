@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UsdGeomBasisCurves: tubes along linear and cubic curves."""
+"""UsdGeomBasisCurves: tubes along linear and cubic curves; ribbons, where they have normals."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from irt_usd.report import Report
+from irt_usd.stage.attributes import where
+from irt_usd.stage.mesh import flattened_normals, vectors
 from irt_usd.stage.point_based import PointBasedSource, Widths, empty, extent
 from irt_usd.stage.primvars import PrimvarValue, primvar_attributes
-from irt_usd.stage.skel import Skin
+from irt_usd.stage.skel import Deformation
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.topology import TopologyError, integers
 from irt_usd.stage.transforms import Node
@@ -78,11 +80,20 @@ class Layout:
         }
 
 
+@dataclass(frozen=True)
+class Normals:
+    """Of ribbons, (n, 3) float32, and their interpolation as authored ("varying" stays)."""
+
+    values: NDArray[np.float32]
+    interpolation: str
+
+
 class CurvesShape(Shape):
-    """Tubes.
+    """Tubes, or ribbons.
 
     Attributes: points (n, 3) float32, curveVertexCounts int32, widths float32 (diameters) with
-    "widths:interpolation", type, basis, wrap.
+    "widths:interpolation", type, basis, wrap; of ribbons, normals (k, 3) float32 with
+    "normals:interpolation".
     """
 
     def __init__(
@@ -90,6 +101,7 @@ class CurvesShape(Shape):
         points: NDArray[np.float32],
         layout: Layout,
         widths: Widths,
+        normals: Normals | None,
         primvars: Mapping[str, PrimvarValue],
         level: int,
     ) -> None:
@@ -104,18 +116,39 @@ class CurvesShape(Shape):
             "wrap": layout.wrap,
             **primvar_attributes(primvars),
         }
+        if normals is not None:
+            self.attributes |= {
+                "normals": normals.values,
+                "normals:interpolation": normals.interpolation,
+            }
         self.extent = 3 * extent(points, widths)
         """A bound on absolute coordinates: a cubic may leave its control points' box."""
-        self._points, self._layout, self._widths = points, layout, widths
+        self._points, self._layout, self._widths, self._normals = points, layout, widths, normals
         self._varying = primvars
         self._segments = SEGMENTS << level
-        self._geometry: _core.Curves | None = None
+        self._geometry: _core.Curves | _core.Mesh | None = None
 
-    def geometry(self) -> "_core.Curves":
-        """The core's chains of round cones, made once."""
-        if self._geometry is None:
-            from irt_usd import _core
+    def geometry(self) -> "_core.Curves | _core.Mesh":
+        """The core's chains of round cones, or mesh of ribbons, made once."""
+        if self._geometry is not None:
+            return self._geometry
+        from irt_usd import _core
 
+        primvars = {name: primvar.core for name, primvar in self._varying.items()}
+        if self._normals is not None:
+            self._geometry = _core.Mesh.ribbons(
+                self._points,
+                self._layout.counts,
+                self._widths.values,
+                self._normals.values,
+                widths_interpolation=_core_interpolation(self._widths.interpolation),
+                normals_interpolation=_core_interpolation(self._normals.interpolation),
+                basis=self._layout.basis,
+                wrap=self._layout.wrap,
+                segments=self._segments,
+                primvars=primvars,
+            )
+        else:
             self._geometry = _core.Curves(
                 self._points,
                 self._layout.counts,
@@ -124,7 +157,7 @@ class CurvesShape(Shape):
                 self._layout.basis,
                 self._layout.wrap,
                 self._segments,
-                {name: primvar.core for name, primvar in self._varying.items()},
+                primvars,
             )
         return self._geometry
 
@@ -139,14 +172,12 @@ class CurvesSource(PointBasedSource):
         node: Node,
         report: Report,
         wanted: frozenset[str],
-        skin: Skin | None,
+        skin: Deformation | None,
         level: int = 0,
     ) -> None:
         self._level = level
         names = ("curveVertexCounts", "type", "basis", "wrap", *_NORMALS)
-        super().__init__(node, report, wanted, skin, names)
-        if any(not empty(self._attributes.values[name]) for name in _NORMALS):
-            report.unsupported("curves with normals: ribbons (round tubes rendered)", node.path)
+        super().__init__(node, report, wanted, skin, (*names, "primvars:normals:indices"))
 
     def _shape_of(self, points: NDArray[np.float32], time: Usd.TimeCode) -> Shape | None:
         values = self._attributes.values
@@ -169,7 +200,37 @@ class CurvesSource(PointBasedSource):
 
         checked = self._primvars.checked(fault, time)
         primvars = {name: cast("PrimvarValue", _fitting(p, counts)) for name, p in checked.items()}
-        return CurvesShape(points, layout, widths, primvars, self._level)
+        normals = self._read_normals(counts, time)
+        return CurvesShape(points, layout, widths, normals, primvars, self._level)
+
+    def _read_normals(self, counts: Mapping[str, int], time: Usd.TimeCode) -> Normals | None:
+        """What makes the curves ribbons; None: there is none, or it is reported."""
+        values = self._attributes.values
+        name = "normals" if empty(values["primvars:normals"]) else "primvars:normals"
+        if empty(values[name]):
+            return None
+        attribute = self._prim.GetAttribute(name)
+        try:
+            normals = vectors(name, values[name])
+            if name == "normals":
+                interpolation = str(attribute.GetMetadata("interpolation") or "vertex")
+            else:
+                interpolation = str(UsdGeom.Primvar(attribute).GetInterpolation())
+                normals = flattened_normals(normals, values["primvars:normals:indices"])
+            wanted = counts.get(interpolation)
+            if len(normals) != wanted:
+                expected = f"{wanted}, the interpolation being {interpolation}"
+                if wanted is None:
+                    expected = f"an interpolation of {', '.join(counts)}, not {interpolation}"
+                message = f"there are {len(normals)} {name}; expected {expected}"
+                raise TopologyError(name, message)
+            if self._skin is not None and interpolation == "vertex":
+                normals = self._skin.normals(normals, None)
+        except TopologyError as fault:
+            message = f"{fault.message}; round tubes rendered instead of ribbons"
+            self._report.skipped(message, where(self._prim, fault.attribute, time))
+            return None
+        return Normals(normals, interpolation)
 
     def _read_layout(self, points: int, values: Mapping[str, Value]) -> Layout:
         basis = values["basis"] if values["type"] == "cubic" else values["type"]
@@ -196,13 +257,15 @@ class CurvesSource(PointBasedSource):
 def _fitting(primvar: PrimvarValue, counts: Mapping[str, int]) -> PrimvarValue | None:
     """`primvar` with the interpolation that it has the elements for; None: for none.
 
-    Varying and vertex ones, which `primvar` does not tell apart, differ in size.
+    "faceVarying" stands for varying. A size tells varying and vertex ones apart, too.
     """
-    kind = primvar.interpolation
-    if primvar.elements() == counts[kind]:
-        return primvar
-    if kind == "vertex" and primvar.elements() == counts["varying"]:
+    count, kind = primvar.elements(), primvar.interpolation
+    if kind != "vertex":
+        return primvar if count == counts[kind] else None
+    if count == counts["varying"] and (primvar.linear or count != counts["vertex"]):
         return PrimvarValue("faceVarying", primvar.values, primvar.indices)
+    if count == counts["vertex"]:
+        return PrimvarValue("vertex", primvar.values, primvar.indices)
     return None
 
 

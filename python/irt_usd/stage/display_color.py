@@ -19,6 +19,10 @@ DEFAULT_MATERIAL = "irt:default"
 """Name of UsdPreviewSurface's defaults: no binding, no displayColor. Not a prim path."""
 
 _INPUTS = {"displayColor": "diffuseColor", "displayOpacity": "opacity"}
+DISPLAY_PRIMVARS = frozenset(_INPUTS)
+
+INSTANCE_COLOR = "irt:displayColor"
+"""Name of a point instancer's displayColor, taken to the rendering space."""
 
 
 def default_material() -> MaterialState:
@@ -30,18 +34,28 @@ class DisplayColorSource:
     """Reads the display primvars of one prim, its own or inherited, into a material of its own.
 
     Constant ones, and those of a single value, are the material's constants; the shape reads the
-    others, as it reads any primvar.
+    others, as it reads any primvar. Of a prim in a prototype, what it lacks comes from its
+    instance, where that may be `given` there.
     """
 
-    def __init__(self, prim: Usd.Prim, report: Report, colors: StageColors) -> None:
+    def __init__(
+        self,
+        prim: Usd.Prim,
+        report: Report,
+        colors: StageColors,
+        given: frozenset[str] = frozenset(),
+    ) -> None:
         self.path = f"{prim.GetPath()}.primvars:displayColor"
         self._report = report
         api = UsdGeom.PrimvarsAPI(prim)
         found = {name: api.FindPrimvarWithInheritance(name) for name in _INPUTS}
         authored = {n: p for n, p in found.items() if p and p.HasAuthoredValue()}
-        self.primvars = frozenset(n for n, p in authored.items() if _varies_over_surface(p))
-        """Names of the primvars that the shape has to have."""
-        self._constant = {n: p for n, p in authored.items() if n not in self.primvars}
+        self._links = {n: n for n, p in authored.items() if _varies_over_surface(p)}
+        self._constant = {n: p for n, p in authored.items() if n not in self._links}
+        for name in given - authored.keys():
+            self._links[name] = INSTANCE_COLOR if name == "displayColor" else name
+        self.primvars = frozenset(self._links.values())
+        """Names of the primvars that the shape, or its instance, has to have."""
         color = authored.get("displayColor")
         self._conversion = colors.to_rendering(color.GetAttr()) if color else None
         self._state: MaterialState | None = None
@@ -61,7 +75,7 @@ class DisplayColorSource:
             for name, primvar in self._constant.items()
         }
         links = {
-            _INPUTS[name]: f"<{self.path.split('.')[0]}.primvars:{name}>" for name in self.primvars
+            _INPUTS[name]: f"<{self.path.split('.')[0]}.primvars:{name}>" for name in self._links
         }
         attributes: dict[str, Value] = {**DEFAULTS, **values, **links}
         if self._state is None or not all(
@@ -77,14 +91,19 @@ class DisplayColorSource:
             constants["diffuseColor"] = self._conversion.color(color)
         nodes: list[Node] = []
         connected = {}
-        if "displayColor" in self.primvars:
-            nodes.append(_primvar("displayColor"))
+        if "displayColor" in self._links:
+            nodes.append(self._primvar("displayColor"))
             nodes += _converted(self._conversion)
             connected["diffuseColor"] = (len(nodes) - 1, "rgb")
-        if "displayOpacity" in self.primvars:
-            nodes.append(_primvar("displayOpacity"))
+        if "displayOpacity" in self._links:
+            nodes.append(self._primvar("displayOpacity"))
             connected["opacity"] = (len(nodes) - 1, "r")
         return Surface(constants, tuple(nodes), connected)
+
+    def _primvar(self, name: str) -> Node:
+        default = DEFAULTS[_INPUTS[name]]
+        assert isinstance(default, (float, tuple))
+        return Node("primvar", (-1,), (default,), primvar=self._links[name])
 
     def _value(self, primvar: UsdGeom.Primvar, default: Value, time: Usd.TimeCode) -> Value:
         authored = primvar.ComputeFlattened(time)
@@ -109,18 +128,23 @@ class DisplayColorSource:
         return value
 
 
+def given_by_instancers(stage: Usd.Stage) -> frozenset[str]:
+    """Which of the display primvars some point instancer of `stage` has for its instances."""
+    ranges = [
+        Usd.PrimRange.AllPrims(root) for root in (stage.GetPseudoRoot(), *stage.GetPrototypes())
+    ]
+    instancers = [p for prims in ranges for p in prims if p.GetTypeName() == "PointInstancer"]
+    apis = [UsdGeom.PrimvarsAPI(prim) for prim in instancers]
+    found = ((name, api.FindPrimvarWithInheritance(name)) for api in apis for name in _INPUTS)
+    return frozenset(name for name, primvar in found if primvar and primvar.HasAuthoredValue())
+
+
 def _varies_over_surface(primvar: UsdGeom.Primvar) -> bool:
     """Whether it is not constant, and has several values at some time."""
     if primvar.GetInterpolation() == UsdGeom.Tokens.constant:
         return False
     times = [Usd.TimeCode.EarliestTime(), *map(Usd.TimeCode, primvar.GetTimeSamples())]
     return any(len(primvar.ComputeFlattened(time) or ()) > 1 for time in times)
-
-
-def _primvar(name: str) -> Node:
-    default = DEFAULTS[_INPUTS[name]]
-    assert isinstance(default, (float, tuple))
-    return Node("primvar", (-1,), (default,), primvar=name)
 
 
 def _converted(conversion: Conversion | None) -> list[Node]:

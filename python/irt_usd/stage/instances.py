@@ -3,14 +3,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from irt_usd.images.color import Conversion
 from irt_usd.report import Report
 from irt_usd.stage.attributes import where
+from irt_usd.stage.color import StageColors
+from irt_usd.stage.display_color import INSTANCE_COLOR
+from irt_usd.stage.primvars import Primvars, PrimvarValue, primvar_attributes, same_primvars
 from irt_usd.stage.snapshot import ObjectState, Shape
 from irt_usd.stage.transforms import (
     Node,
@@ -37,6 +41,8 @@ _ARRAYS = (
     "angularVelocities",
 )
 
+_SAME_FOR_ALL = ("constant", "uniform")
+
 ENTRY_ATTRIBUTES = ("keys", "protoIndices", "array_from_prototype")
 """The attributes of an InstancesShape that are told entry by entry, not as whole arrays."""
 
@@ -54,7 +60,7 @@ class InstancesShape(Shape):
 
     Attributes: keys (n,) int64, increasing: an entry's id, or its index where there are no ids;
     protoIndices (n,) int32; array_from_prototype (n, 4, 3) float64, row vectors in the instancer's
-    space; and all that the prototypes' parts have, by path.
+    space; primvars, constant or one an entry; and all that the prototypes' parts have, by path.
     """
 
     def __init__(
@@ -63,8 +69,10 @@ class InstancesShape(Shape):
         keys: NDArray[np.int64],
         kinds: NDArray[np.int32],
         prototypes: Sequence[tuple[str, _Prototype]],
+        primvars: Mapping[str, PrimvarValue],
     ) -> None:
         self._array = array
+        self.given = primvars
         self.prototypes = tuple(prototype for _, prototype in prototypes)
         self.attributes: Mapping[str, Value] = {
             "typeName": "PointInstancer",
@@ -72,6 +80,7 @@ class InstancesShape(Shape):
             "protoIndices": kinds,
             "array_from_prototype": array.array_from_prototype,
             "prototypes": tuple(path for path, _ in prototypes),
+            **primvar_attributes(primvars),
             **{
                 f"{path}.{name}": value
                 for _, prototype in prototypes
@@ -86,6 +95,18 @@ class InstancesShape(Shape):
         return self._array
 
 
+class _Entries(NamedTuple):
+    """Keys, prototypes and matrices of what can be drawn, by key.
+
+    `kept`: where in the instancer's arrays these stand; None: all of them in their order.
+    """
+
+    keys: NDArray[np.int64]
+    kinds: NDArray[np.int32]
+    rows: NDArray[np.float64]
+    kept: NDArray[np.intp] | None
+
+
 class PrototypeSource:
     """Reads one prototype: what is drawn at or under a prim, in the space of the prim's parent."""
 
@@ -98,6 +119,11 @@ class PrototypeSource:
     def varies(self) -> bool:
         """Whether it can differ between frames."""
         return any(part.varies for part in self._parts)
+
+    @property
+    def primvars(self) -> frozenset[str]:
+        """Names of the primvars that the materials of its parts read."""
+        return frozenset().union(*(part.primvars for part in self._parts))
 
     def read(self, time: Usd.TimeCode) -> _Prototype:
         """The prototype at `time`: the same one while nothing changes."""
@@ -125,6 +151,7 @@ class InstancerSource:
         node: Node,
         prototypes: Sequence[PrototypeSource],
         report: Report,
+        colors: StageColors,
         role: tuple[bool, bool] = (True, False),
     ) -> None:
         """`role`: as ObjectState has it."""
@@ -139,13 +166,18 @@ class InstancerSource:
         self._state: ObjectState | None = None
         self._checked = b""
         """The world transform under which the entries were found to have inverses."""
-        self._report_primvars()
+        self.primvars = frozenset().union(*(prototype.primvars for prototype in prototypes))
+        """Names of the primvars that the materials of its prototypes read."""
+        self._primvars = Primvars(prim, {_authored(name) for name in self.primvars}, report)
+        color = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+        self._from_color = colors.to_rendering(color.GetAttr()) if color else None
 
     @property
     def varies(self) -> bool:
         """Whether entries, prototypes, place or visibility can differ between frames."""
         return (
             self._animated
+            or self._primvars.vary
             or self.node.moves
             or self.node.visibility_varies
             or any(prototype.varies for prototype in self._prototypes)
@@ -164,8 +196,10 @@ class InstancerSource:
             return None
         prototypes = [(p.path, p.read(time)) for p in self._prototypes]
         shape = self._shape
+        repainted = self._primvars.update(time)
         if (
             shape is None
+            or repainted
             or self._animated
             or world.tobytes() != self._checked
             or any(a is not b for a, (_, b) in zip(shape.prototypes, prototypes, strict=True))
@@ -194,7 +228,8 @@ class InstancerSource:
         entries = self._entries(world, time)
         if entries is None:
             return None
-        keys, kinds, rows = entries
+        keys, kinds, rows, kept = entries
+        primvars = self._read_primvars(kept, time)
         old = self._shape
         if (
             old is not None
@@ -202,17 +237,46 @@ class InstancerSource:
             and same_bits(old.attributes["keys"], keys)
             and same_bits(old.attributes["protoIndices"], kinds)
             and same_bits(old.attributes["array_from_prototype"], rows)
+            and same_primvars(old.given, primvars)
         ):
             return old
         records = [prototype.record for _, prototype in prototypes]
         counted = len(keys) == 0 or (keys[0] == 0 and keys[-1] == len(keys) - 1)
-        array = _core.InstanceArray(records, rows, kinds, None if counted else keys)
-        return InstancesShape(array, keys, kinds, prototypes)
+        given = {name: primvar.core for name, primvar in primvars.items()}
+        array = _core.InstanceArray(records, rows, kinds, None if counted else keys, given)
+        return InstancesShape(array, keys, kinds, prototypes, primvars)
 
-    def _entries(
-        self, world: NDArray[np.float64], time: Usd.TimeCode
-    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]] | None:
-        """Keys, prototypes and matrices of what can be drawn, by key."""
+    def _read_primvars(
+        self, kept: NDArray[np.intp] | None, time: Usd.TimeCode
+    ) -> dict[str, PrimvarValue]:
+        """Primvars by UsdGeomPointInstancer's rule, by the names that parts read.
+
+        Varying, vertex and faceVarying ones are by instance, others the same for all. `kept`: which
+        are drawn, in their order; None: all.
+        """
+        total = len(_get(self.node.prim, "positions", time, np.float32))
+
+        def fault(value: PrimvarValue) -> str | None:
+            wanted = 1 if value.interpolation in _SAME_FOR_ALL else total
+            if value.elements() == wanted:
+                return None
+            return f"it has {value.elements()} elements, expected {wanted}"
+
+        found = {}
+        read = self._primvars.checked(fault, time)
+        for name in sorted(self.primvars):
+            value = read.get(_authored(name))
+            if value is None:
+                continue
+            if name == INSTANCE_COLOR:
+                value = _converted(value, self._from_color)
+            if value.interpolation in _SAME_FOR_ALL:
+                found[name] = value.single
+            else:
+                found[name] = PrimvarValue("vertex", value.values, value.indices).picked(kept)
+        return found
+
+    def _entries(self, world: NDArray[np.float64], time: Usd.TimeCode) -> _Entries | None:
         prim = self.node.prim
         kinds = np.asarray(_get(prim, "protoIndices", time, np.int32), np.int32)
         positions = _get(prim, "positions", time, np.float32)
@@ -240,9 +304,9 @@ class InstancerSource:
         keys = self._keys(total, time)
         order = None if (keys[1:] > keys[:-1]).all() else np.argsort(keys, kind="stable")
         if order is None and drawn.all():
-            return keys, kinds, rows
+            return _Entries(keys, kinds, rows, None)
         kept = np.flatnonzero(drawn) if order is None else order[drawn[order]]
-        return keys[kept], kinds[kept], np.ascontiguousarray(rows[kept])
+        return _Entries(keys[kept], kinds[kept], np.ascontiguousarray(rows[kept]), kept)
 
     def _keys(self, total: int, time: Usd.TimeCode) -> NDArray[np.int64]:
         prim = self.node.prim
@@ -286,10 +350,17 @@ class InstancerSource:
             shown &= good
         return shown
 
-    def _report_primvars(self) -> None:
-        for primvar in UsdGeom.PrimvarsAPI(self.node.prim).GetAuthoredPrimvars():
-            if primvar.GetInterpolation() != UsdGeom.Tokens.constant:
-                self._report.unsupported("primvars by instance", str(primvar.GetAttr().GetPath()))
+
+def _authored(name: str) -> str:
+    """The primvar that a part's material reads by `name`."""
+    return "displayColor" if name == INSTANCE_COLOR else name
+
+
+def _converted(color: PrimvarValue, conversion: Conversion | None) -> PrimvarValue:
+    if conversion is None or color.values.shape[1] != 3:
+        return color
+    values = np.array([conversion.color(row) for row in color.values], np.float32)
+    return PrimvarValue(color.interpolation, values.reshape(-1, 3), color.indices)
 
 
 def _get(prim: Usd.Prim, name: str, time: Usd.TimeCode, dtype: Any) -> NDArray[Any]:

@@ -60,13 +60,15 @@ class MaterialSet:
             self._sources[name] = attempt(make, material.GetPrim(), self._report)
         return self._sources[name]
 
-    def worn(self, node: Node, material: UsdShade.Material | None) -> tuple[str, frozenset[str]]:
+    def worn(
+        self, node: Node, material: UsdShade.Material | None, given: frozenset[str] = frozenset()
+    ) -> tuple[str, frozenset[str]]:
         """The name of the material that `node` wears, and the primvars that it reads.
 
         `material` is the one bound to it; where that is none, or cannot be rendered, the node's
-        displayColor stands in.
+        displayColor stands in, or its instance's, which may have the display primvars `given`.
         """
-        source = self.bound(material) or self._display_color(node)
+        source = self.bound(material) or self._display_color(node, given)
         return (source.path, source.primvars) if source else (DEFAULT_MATERIAL, frozenset())
 
     def references(self) -> dict[TextureReference, str]:
@@ -101,10 +103,10 @@ class MaterialSet:
             return MaterialXSource(path, shader, self._report, self._colors, self._textures)
         return MaterialSource(path, shader, self._report, self._colors, self._textures)
 
-    def _display_color(self, node: Node) -> MaterialLike | None:
-        if not node.display_primvars:
+    def _display_color(self, node: Node, given: frozenset[str]) -> MaterialLike | None:
+        if not node.display_primvars and not given:
             return None
-        make = partial(DisplayColorSource, node.prim, self._report, self._colors)
+        make = partial(DisplayColorSource, node.prim, self._report, self._colors, given)
         source = attempt(make, node.prim, self._report)
         if source is not None:
             self._sources[source.path] = source

@@ -13,7 +13,7 @@ from irt_usd.report import Report
 from irt_usd.stage import subdivision
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.primvars import Interpolation, Primvars, PrimvarValue, primvar_attributes
-from irt_usd.stage.skel import Skin
+from irt_usd.stage.skel import Deformation
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.subdivision import Subdivision
 from irt_usd.stage.subsets import FaceMaterials
@@ -82,10 +82,13 @@ class MeshShape(Shape):
             )
         return self._geometry
 
-    def subdivide(self, rules: Subdivision) -> str | None:
-        """Makes the core's mesh of the refined cage; returns why it is the cage itself, if so."""
-        self._geometry, fault = rules.refine(self.geometry(), self.attributes)
-        return fault
+    def subdivide(self, rules: Subdivision) -> tuple[Sequence[str], str | None]:
+        """Makes the core's mesh of the refined cage.
+
+        Returns what of its creases and corners was left out; and why it is the cage itself, if so.
+        """
+        self._geometry, left_out, fault = rules.refine(self.geometry(), self.attributes)
+        return left_out, fault
 
 
 class MeshSource:
@@ -96,7 +99,7 @@ class MeshSource:
         node: Node,
         report: Report,
         wanted: frozenset[str],
-        skin: Skin | None = None,
+        skin: Deformation | None = None,
         level: int = 0,
         subsets: Sequence[tuple[Usd.Prim, str]] = (),
     ) -> None:
@@ -189,10 +192,14 @@ class MeshSource:
             self._faces.names if self._faces is not None and faces is not None else (),
         )
         if smooth:
-            refusal = made.subdivide(self._subdivision)
+            left_out, refusal = made.subdivide(self._subdivision)
             if refusal is not None:
                 message = f"not subdivided, the control cage is rendered: {refusal}"
                 self._report.skipped(message, where(self._prim, "subdivisionScheme", time))
+            for what in left_out:
+                attribute = "creaseIndices" if "crease" in what else "cornerIndices"
+                message = f"subdivided without {what}"
+                self._report.skipped(message, where(self._prim, attribute, time))
             if not self.varies:
                 self._subdivision.forget()
         return made
@@ -233,7 +240,7 @@ class MeshSource:
                 authored = attribute.GetMetadata("interpolation") or "vertex"
             else:
                 authored = UsdGeom.Primvar(attribute).GetInterpolation()
-                normals = _flattened(normals, values["primvars:normals:indices"])
+                normals = flattened_normals(normals, values["primvars:normals:indices"])
             interpolation = "vertex" if authored == "varying" else str(authored)
             fault_found = topology.size_fault(interpolation, len(normals), point_count)
             if fault_found:
@@ -269,7 +276,8 @@ def vectors(attribute: str, value: Value) -> NDArray[np.float32]:
     return array
 
 
-def _flattened(normals: NDArray[np.float32], indices: Value) -> NDArray[np.float32]:
+def flattened_normals(normals: NDArray[np.float32], indices: Value) -> NDArray[np.float32]:
+    """The normal of each element of primvars:normals. Raises TopologyError."""
     if indices is None:
         return normals
     name = "primvars:normals:indices"

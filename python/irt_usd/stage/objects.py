@@ -32,10 +32,12 @@ class ObjectSource:
         report: Report,
         skin: Skin | None = None,
         role: tuple[bool, bool] = (True, False),
+        primvars: frozenset[str] = frozenset(),
     ) -> None:
-        """`role`: as ObjectState has it."""
+        """`role`: as ObjectState has it. `primvars`: names of those that its materials read."""
         self.node = node
         self._role = role
+        self.primvars = primvars
         self._skin = skin
         self._place: Node | Skin = skin or node
         self._shape = shape
@@ -57,7 +59,7 @@ class ObjectSource:
         None, and reported, if it cannot be drawn.
         """
         if self._skin is not None:
-            self._skin.update(time)
+            self._skin.deformation.update(time)
         shape = self._shape.read(time)
         world = bytes(self._place.world)
         if world != self._world:

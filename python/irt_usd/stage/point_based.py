@@ -13,7 +13,7 @@ from irt_usd.report import Report
 from irt_usd.stage.attributes import Attributes, where
 from irt_usd.stage.mesh import vectors
 from irt_usd.stage.primvars import Primvars
-from irt_usd.stage.skel import Skin
+from irt_usd.stage.skel import Deformation
 from irt_usd.stage.snapshot import Shape
 from irt_usd.stage.topology import TopologyError, integers
 from irt_usd.stage.transforms import Node
@@ -44,7 +44,7 @@ class PointBasedSource(ABC):
         node: Node,
         report: Report,
         wanted: frozenset[str],
-        skin: Skin | None,
+        skin: Deformation | None,
         names: tuple[str, ...] = (),
     ) -> None:
         self._report = report

@@ -65,14 +65,14 @@ class PointsSource(PointBasedSource):
                 return None
             return f"it has {primvar.elements()} elements, expected {wanted}"
 
-        return PointsShape(
-            points, widths, _vertex_for_face_varying(self._primvars.checked(fault, time))
-        )
+        return PointsShape(points, widths, _by_point(self._primvars.checked(fault, time)))
 
 
-def _vertex_for_face_varying(primvars: Mapping[str, PrimvarValue]) -> dict[str, PrimvarValue]:
-    """Points have no faces: a value each is all that faceVarying can mean."""
+def _by_point(primvars: Mapping[str, PrimvarValue]) -> dict[str, PrimvarValue]:
+    """Points have no faces: a value each is all that varying and faceVarying can mean."""
     return {
-        name: PrimvarValue("vertex", p.values, p.indices) if p.interpolation == "faceVarying" else p
+        name: PrimvarValue("vertex", p.values, p.indices)
+        if p.interpolation in ("vertex", "faceVarying")
+        else p
         for name, p in primvars.items()
     }

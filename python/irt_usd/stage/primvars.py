@@ -53,6 +53,14 @@ class PrimvarValue:
             return PrimvarValue(self.interpolation, self.values[kept], None)
         return PrimvarValue(self.interpolation, self.values, self.indices[kept])
 
+    def picked(self, elements: NDArray[np.intp] | None) -> "PrimvarValue":
+        """Those elements, in their order; None: all."""
+        if elements is None:
+            return self
+        if self.indices is None:
+            return PrimvarValue(self.interpolation, self.values[elements], None)
+        return PrimvarValue(self.interpolation, self.values, self.indices[elements])
+
 
 Check = Callable[[PrimvarValue], str | None]
 """What is wrong with the size of a primvar, if anything."""
@@ -158,6 +166,12 @@ def constant_only(value: PrimvarValue) -> str | None:
         f"it has {value.elements()} elements of interpolation {value.interpolation}; "
         "expected one, the shape having no vertices"
     )
+
+
+def same_primvars(a: Mapping[str, PrimvarValue], b: Mapping[str, PrimvarValue]) -> bool:
+    """Whether the two agree in every bit."""
+    before, after = primvar_attributes(a), primvar_attributes(b)
+    return before.keys() == after.keys() and all(map(same_bits, before.values(), after.values()))
 
 
 def primvar_attributes(primvars: Mapping[str, PrimvarValue]) -> dict[str, Value]:

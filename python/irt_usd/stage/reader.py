@@ -18,6 +18,7 @@ from irt_usd.stage.camera import CameraSource, same_camera
 from irt_usd.stage.color import StageColors
 from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
+from irt_usd.stage.display_color import DISPLAY_PRIMVARS, given_by_instancers
 from irt_usd.stage.graph import TextureSource
 from irt_usd.stage.instances import InstancerSource, PrototypeSource
 from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
@@ -44,8 +45,9 @@ from irt_usd.stage.survey import stage_prims, survey, survey_prototype
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.views import View, ViewOptions, plan_views
 
-_Worn = tuple[str, ShapeSource | None]
-"""A material's name, and the reader of the shape that wears it; None: it cannot be read."""
+_Worn = tuple[str, frozenset[str], ShapeSource | None]
+"""A material's name, the primvars that it and those of faces read, and the reader of the shape that
+wears it; None: it cannot be read."""
 
 _S = TypeVar("_S", ObjectState, MaterialState, LightState)
 _State = TypeVar("_State", covariant=True)
@@ -142,7 +144,7 @@ class ShotReader:
         prunes = self.render_pass.prunes if self.render_pass.path else None
         found = survey(self._stage, self.purposes, self._report, prunes)
         self._hierarchy = found.hierarchy
-        colors = StageColors(self._stage, self._report, settings.path)
+        self._colors = colors = StageColors(self._stage, self._report, settings.path)
         self.colors = colors.spaces
         """What leads to the rendering space."""
         lights = [
@@ -169,8 +171,11 @@ class ShotReader:
         """The texels of all materials."""
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._level = options.level
+        self._skins = Skins(self._hierarchy, self._report)
         self._shared: dict[tuple[str, ...], _Worn] = {}
         self._prototypes: dict[str, PrototypeSource | None] = {}
+        self._given: frozenset[str] | None = None
+        """Display primvars that point instancers have; None: there are none, or not yet read."""
         self._objects: list[ObjectSource | InstancerSource] = [
             *self._bind(found.objects, found.subsets),
             *self._instancers(found.instancers),
@@ -247,26 +252,30 @@ class ShotReader:
         )
 
     def _bind(
-        self, nodes: Sequence[Node], divided: Container[str], is_part: bool = False
+        self,
+        nodes: Sequence[Node],
+        divided: Container[str],
+        given: frozenset[str] | None = None,
     ) -> list[ObjectSource]:
         """Sources of the objects, and (in passing) of every material they wear.
 
-        `is_part`: they are parts of a prototype.
+        `given`: of parts of a prototype, the display primvars that their instances may have; None:
+        they are no parts.
         """
         sources = []
+        is_part = given is not None
         nodes = [node for node in nodes if not self.render_pass.hides(node.path, is_part)]
-        skins = Skins(self._hierarchy, self._report)
         bindings = bound_materials(
             [node.prim for node in nodes], self._report, self._binding_purpose
         )
         for node, (_, material) in zip(nodes, bindings, strict=True):
-            skin = attempt(partial(skins.skin, node), node.prim, self._report)
+            skin = attempt(partial(self._skins.skin, node), node.prim, self._report)
             if material and self.render_pass.prunes(str(material.GetPath())):
                 material = None
-            name, shape = self._shape(node, material, skin, divided)
+            name, read, shape = self._shape(node, material, skin, divided, given or frozenset())
             if shape is not None:
                 role = self.render_pass.role(node.path, is_part)
-                sources.append(ObjectSource(node, shape, name, self._report, skin, role))
+                sources.append(ObjectSource(node, shape, name, self._report, skin, role, read))
         return sources
 
     def _shape(
@@ -275,6 +284,7 @@ class ShotReader:
         material: UsdShade.Material | None,
         skin: Skin | None,
         divided: Container[str],
+        given: frozenset[str],
     ) -> _Worn:
         """The material that `node` wears, and the reader of its shape.
 
@@ -285,20 +295,23 @@ class ShotReader:
         if node.path in divided and node.prim.GetTypeName() == "Mesh":
             subsets, read = self._subsets(node)
         key: tuple[str, ...] = ()
-        if node.prim.IsInstanceProxy() and skin is None:
+        if node.prim.IsInstanceProxy():
             inherited = UsdGeom.PrimvarsAPI(node.prim).FindInheritablePrimvars()
             attributes = [primvar.GetAttr() for primvar in inherited]
             key = (
                 str(node.prim.GetPrimInPrototype().GetPath()),
                 str(material.GetPath()) if material else "",
+                str(id(skin.deformation)) if skin else "",
                 *(name for _, name in subsets),
                 *(str(a.GetPath()) for a in attributes if not a.GetPrim().IsInstanceProxy()),
+                *sorted(given),
             )
             if key in self._shared:
                 return self._shared[key]
-        name, wanted = self._materials.worn(node, material)
-        make = partial(self._shape_source, node, wanted | read, skin, subsets)
-        worn = name, attempt(make, node.prim, self._report)
+        name, wanted = self._materials.worn(node, material, given)
+        wanted |= read
+        make = partial(self._shape_source, node, wanted, skin, subsets)
+        worn = name, wanted, attempt(make, node.prim, self._report)
         if key:
             self._shared[key] = worn
         return worn
@@ -325,23 +338,27 @@ class ShotReader:
         subsets: list[tuple[Usd.Prim, str]],
     ) -> ShapeSource:
         kind = str(node.prim.GetTypeName())
+        deformed = skin.deformation if skin is not None else None
         if kind == "Mesh":
-            return MeshSource(node, self._report, wanted, skin, self._level, subsets)
+            return MeshSource(node, self._report, wanted, deformed, self._level, subsets)
         if kind == "Points":
-            return PointsSource(node, self._report, wanted, skin)
+            return PointsSource(node, self._report, wanted, deformed)
         if kind == "BasisCurves":
-            return CurvesSource(node, self._report, wanted, skin, self._level)
+            return CurvesSource(node, self._report, wanted, deformed, self._level)
         return QuadricSource(node, self._report, wanted)
 
     def _instancers(self, nodes: Sequence[Node], is_part: bool = False) -> list[InstancerSource]:
         sources = []
+        if nodes and self._given is None:
+            self._given = given_by_instancers(self._stage)
         for node in nodes:
             if self.render_pass.hides(node.path, is_part):
                 continue
             prototypes = attempt(partial(self._prototypes_of, node), node.prim, self._report)
             if prototypes:
                 role = self.render_pass.role(node.path, is_part)
-                sources.append(InstancerSource(node, prototypes, self._report, role))
+                source = InstancerSource(node, prototypes, self._report, self._colors, role)
+                sources.append(source)
         return sources
 
     def _prototypes_of(self, node: Node) -> list[PrototypeSource] | None:
@@ -370,13 +387,14 @@ class ShotReader:
         self._prototypes[path] = None
         prunes = self.render_pass.prunes if self.render_pass.path else None
         found = survey_prototype(root, self._hierarchy, self.purposes, self._report, prunes)
-        if UsdGeom.PrimvarsAPI(root).FindPrimvarWithInheritance("displayColor"):
+        inherited = UsdGeom.PrimvarsAPI(root).FindInheritablePrimvars()
+        if any(primvar.GetPrimvarName() in DISPLAY_PRIMVARS for primvar in inherited):
             for node in found.objects:
                 node.display_primvars = True
         source = PrototypeSource(
             path,
             [
-                *self._bind(found.objects, found.subsets, is_part=True),
+                *self._bind(found.objects, found.subsets, self._given or frozenset()),
                 *self._instancers(found.instancers, is_part=True),
             ],
         )

@@ -57,16 +57,18 @@ class Pose:
                 self.weights_version += 1
 
 
-class Skin:
-    """How one prim is bound to a skeleton.
-
-    `world` is where its points are, of which `points` and `normals` give those of the last update.
-    """
+class Deformation:
+    """What joints and blend shapes make of the points of one prim, or of native instances alike."""
 
     def __init__(
-        self, node: Node, skeleton: Node, pose: Pose, query: UsdSkel.SkinningQuery, report: Report
+        self,
+        prim: Usd.Prim,
+        skeleton: Usd.Prim,
+        pose: Pose,
+        query: UsdSkel.SkinningQuery,
+        report: Report,
     ) -> None:
-        self._node = node
+        self._prim = prim
         self._skeleton = skeleton
         self._pose = pose
         self._query = query
@@ -75,44 +77,21 @@ class Skin:
         self.rigid = self.jointed and query.IsRigidlyDeformed() and not query.HasBlendShapes()
         """Whether it is moved as a whole, not deformed."""
         self._binding_varies = self.jointed and any(
-            attribute.ValueMightBeTimeVarying()
-            for attribute in (
-                query.GetGeomBindTransformAttr(),
-                query.GetJointIndicesPrimvar().GetAttr(),
-                query.GetJointWeightsPrimvar().GetAttr(),
-            )
-            if attribute
+            attribute.ValueMightBeTimeVarying() for attribute in _binding(query)
         )
         shaped = query.HasBlendShapes() and pose.weights_vary
         self.varies = self._binding_varies or (self.jointed and pose.joints_vary) or shaped
         """Whether the deformation can differ between frames."""
         self.version = 0
         """Grows whenever the deformation does differ."""
-        self._placed = Gf.Matrix4d(1)
+        self.placed = Gf.Matrix4d(1)
         """From the prim's points to the skeleton's space; the identity unless it is rigid."""
         self._posed = True
         """Whether the joints can move it at all."""
-        self._broken = False
+        self.broken = False
         """Whether what was last drawn is undeformed for a fault."""
         self._seen: tuple[int, int, float] | None = None
         self._time = Usd.TimeCode.EarliestTime()
-
-    @property
-    def moves(self) -> bool:
-        """Whether `world` can differ between frames."""
-        return self._skeleton.moves or self._node.moves or (self.rigid and self.varies)
-
-    @property
-    def world(self) -> Gf.Matrix4d:
-        """World from the points' space."""
-        if self._broken or not self.jointed:
-            return self._node.world
-        return self._placed * self._skeleton.world
-
-    @property
-    def blamed(self) -> Node:
-        """Whose transform is behind `world`."""
-        return self._node if self._broken or not self.jointed else self._skeleton
 
     def update(self, time: Usd.TimeCode) -> None:
         """Brings the deformation to `time`."""
@@ -129,16 +108,16 @@ class Skin:
         self.version += 1
         fault = self._fault(time) if self.jointed else None
         self._posed = fault is None
-        self._broken = False
+        self.broken = False
         if fault is not None:
             self._break(*fault)
         elif self.rigid:
-            self._placed = self._query.ComputeSkinnedTransform(self._pose.transforms, time)
+            self.placed = self._query.ComputeSkinnedTransform(self._pose.transforms, time)
 
     def points(self, points: NDArray[np.float32]) -> NDArray[np.float32]:
         """`points` (n, 3) as authored, deformed."""
-        self._broken = not self._posed
-        if self.rigid or self._broken:
+        self.broken = not self._posed
+        if self.rigid or self.broken:
             return points
         deformed = Vt.Vec3fArray.FromNumpy(points)
         try:
@@ -159,7 +138,7 @@ class Skin:
         self, normals: NDArray[np.float32], point_of: NDArray[np.int32] | None
     ) -> NDArray[np.float32]:
         """`normals` (n, 3) deformed; `point_of` names each one's point, None: of point i."""
-        if self.rigid or self._broken:
+        if self.rigid or self.broken:
             return normals
         if self._query.HasBlendShapes():
             count = len(normals) if point_of is None else int(point_of.max()) + 1
@@ -210,7 +189,7 @@ class Skin:
     def _fault(self, time: Usd.TimeCode) -> tuple[str, str] | None:
         """What keeps the joints from moving the prim, and the attribute that is to blame."""
         if not self._pose.transforms or not self._pose.query.HasBindPose():
-            skeleton = prim_location(self._skeleton.prim)
+            skeleton = prim_location(self._skeleton)
             wanted = "as many bindTransforms and restTransforms (or animated ones) as joints"
             return f"the skeleton {skeleton} has no pose; expected {wanted}", "skel:skeleton"
         influences = self._query.ComputeJointInfluences(time)
@@ -234,8 +213,8 @@ class Skin:
         return None
 
     def _break(self, message: str, attribute: str) -> None:
-        self._broken = True
-        place = where(self._node.prim, attribute, self._time)
+        self.broken = True
+        place = where(self._prim, attribute, self._time)
         self._report.skipped(f"{message}; {_UNDEFORMED}", place)
 
     def _mapped_transforms(self) -> Vt.Matrix4dArray:
@@ -246,7 +225,7 @@ class Skin:
 
     @cached_property
     def _shapes(self) -> UsdSkel.BlendShapeQuery:
-        return UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(self._node.prim))
+        return UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(self._prim))
 
     @cached_property
     def _shape_offsets(self) -> list[Vt.Vec3fArray]:
@@ -291,6 +270,34 @@ class Skin:
                 self._report.skipped(message, where(prim, "offsets", self._time))
 
 
+class Skin:
+    """How one prim is bound to a skeleton: what deforms it, and where the deformed points are."""
+
+    def __init__(self, node: Node, skeleton: Node, deformation: Deformation) -> None:
+        self._node = node
+        self._skeleton = skeleton
+        self.deformation = deformation
+
+    @property
+    def moves(self) -> bool:
+        """Whether `world` can differ between frames."""
+        moved = self.deformation.rigid and self.deformation.varies
+        return self._skeleton.moves or self._node.moves or moved
+
+    @property
+    def world(self) -> Gf.Matrix4d:
+        """World from the points' space."""
+        if self.blamed is self._node:
+            return self._node.world
+        return self.deformation.placed * self._skeleton.world
+
+    @property
+    def blamed(self) -> Node:
+        """Whose transform is behind `world`."""
+        deformation = self.deformation
+        return self._node if deformation.broken or not deformation.jointed else self._skeleton
+
+
 class Skins:
     """The bindings of a stage."""
 
@@ -300,6 +307,7 @@ class Skins:
         self._cache = UsdSkel.Cache()
         self._roots: dict[Sdf.Path, dict[Sdf.Path, UsdSkel.Skeleton]] = {}
         self._poses: dict[Sdf.Path, Pose] = {}
+        self._deformations: dict[tuple[str, ...], Deformation] = {}
         self._nodes: dict[str, list[Node]] = {}
         self._nodes_read = 0
 
@@ -329,7 +337,25 @@ class Skins:
         pose = self._poses.get(skeleton.GetPath())
         if pose is None:
             pose = self._poses[skeleton.GetPath()] = Pose(self._cache.GetSkelQuery(skeleton))
-        return Skin(node, place, pose, query, self._report)
+        return Skin(node, place, self._deformation(node.prim, skeleton, pose, query))
+
+    def _deformation(
+        self, prim: Usd.Prim, skeleton: UsdSkel.Skeleton, pose: Pose, query: UsdSkel.SkinningQuery
+    ) -> Deformation:
+        """That of `prim`; one for all native instances which deform alike."""
+        animation = pose.query.GetAnimQuery()
+        shared = (
+            prim,
+            skeleton.GetPrim(),
+            *((animation.GetPrim(),) if animation else ()),
+            *(attribute.GetPrim() for attribute in _binding(query)),
+        )
+        key = tuple(str(_in_prototype(source).GetPath()) for source in shared)
+        if key not in self._deformations:
+            self._deformations[key] = Deformation(
+                prim, skeleton.GetPrim(), pose, query, self._report
+            )
+        return self._deformations[key]
 
     def _place(self, skeleton: UsdSkel.Skeleton, node: Node) -> Node | None:
         """The node of `skeleton`, in the tree of `node` if it is in several."""
@@ -356,6 +382,22 @@ class Skins:
 
 
 _ANY_TIME = Usd.TimeCode.EarliestTime()
+
+
+def _binding(query: UsdSkel.SkinningQuery) -> list[Usd.Attribute]:
+    """The attributes that bind joints."""
+    if not query.HasJointInfluences():
+        return []
+    attributes = (
+        query.GetGeomBindTransformAttr(),
+        query.GetJointIndicesPrimvar().GetAttr(),
+        query.GetJointWeightsPrimvar().GetAttr(),
+    )
+    return [attribute for attribute in attributes if attribute]
+
+
+def _in_prototype(prim: Usd.Prim) -> Usd.Prim:
+    return prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
 
 
 def _top(node: Node) -> Node:

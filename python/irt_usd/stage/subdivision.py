@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdGeomMesh's subdivision attributes, and the core's Subdivider made of them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,9 +31,10 @@ class Subdivision:
 
     def refine(
         self, cage: "_core.Mesh", values: Mapping[str, Value]
-    ) -> tuple["_core.Mesh", str | None]:
-        """The refined cage and None, or the control cage and why.
+    ) -> tuple["_core.Mesh", Sequence[str], str | None]:
+        """The refined cage, and what of its creases and corners was left out, and None.
 
+        Or the control cage, nothing, and why.
         `values` are the mesh's attributes, "holeIndices" among them, which name its faces.
         """
         from irt_usd import _core
@@ -45,7 +46,8 @@ class Subdivision:
             ):
                 self._subdivider = _subdivider(rules, self._level)
                 self._rules = rules
-            return self._subdivider.refine(cage), None
+            refined = self._subdivider.refine(cage)
+            return refined, self._subdivider.left_out, None
         except (ValueError, TopologyError) as fault:
             self._subdivider = None
             plain = _core.Subdivider(
@@ -53,7 +55,7 @@ class Subdivision:
                 level=0,
                 hole_indices=_integers("holeIndices", rules),
             )
-            return plain.refine(cage), str(fault)
+            return plain.refine(cage), (), str(fault)
 
     def forget(self) -> None:
         """Frees the refined topology."""
