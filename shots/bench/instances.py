@@ -98,6 +98,7 @@ def write_native(path: Path, count: int) -> None:
         sphere.specifier, sphere.typeName = Sdf.SpecifierDef, "Sphere"
         camera = Sdf.CreatePrimInLayer(layer, "/cam")
         camera.specifier, camera.typeName = Sdf.SpecifierDef, "Camera"
+        Sdf.CreatePrimInLayer(layer, "/I").specifier = Sdf.SpecifierDef
         places = rows_of(count, 1000)[:, 3]
         for name, place in [
             ("/cam", (0, 0, 1200)),

@@ -211,7 +211,7 @@ def test_primvars_by_instance(shot: MakeShot, interpolation: str) -> None:
     opened = shot(instancer(ROW + colors(interpolation) + "int64[] ids = [9, 7, 5, 3]"))
     values = values_of(opened.read())
     assert list(values["keys"]) == [3, 5, 7, 9]
-    shown = values["primvars:irt:displayColor"].tolist()
+    shown = values["primvars:displayColor"].tolist()
     assert shown == [[1, 1, 0], [0, 0, 1], [0, 1, 0], [1, 0, 0]]
     assert not opened.notices("skipped")
     assert not opened.notices("unsupported")
@@ -223,7 +223,7 @@ def test_masked_entries_have_no_primvars(shot: MakeShot) -> None:
     )
     opened = shot(instancer(ROW + indexed + "int64[] invisibleIds = [1]"))
     values = values_of(opened.read())
-    taken = values["primvars:irt:displayColor"][values["primvars:irt:displayColor:indices"]]
+    taken = values["primvars:displayColor"][values["primvars:displayColor:indices"]]
     assert taken.tolist() == [[1, 1, 0], [0, 1, 0], [1, 0, 0]]
 
 
@@ -234,14 +234,14 @@ def test_primvars_of_all_instances(shot: MakeShot, interpolation: str) -> None:
         "rel prototypes", one + "rel prototypes"
     )
     values = values_of(shot(body).read())
-    assert values["primvars:irt:displayColor"].tolist() == [[1, 0, 0]]
-    assert values["primvars:irt:displayColor:interpolation"] == "constant"
+    assert values["primvars:displayColor"].tolist() == [[1, 0, 0]]
+    assert values["primvars:displayColor:interpolation"] == "constant"
 
 
 def test_primvars_of_the_wrong_size_are_reported(shot: MakeShot) -> None:
     wrong = colors("vertex", "color3f[] primvars:displayColor = [(1, 0, 0)]")
     opened = shot(instancer(ROW + wrong))
-    assert "primvars:irt:displayColor" not in values_of(opened.read())
+    assert "primvars:displayColor" not in values_of(opened.read())
     assert "it has 1 elements, expected 4" in opened.notices("skipped")[0]
 
 
@@ -269,13 +269,15 @@ def test_instances_are_seen_in_their_colours(shot: MakeShot) -> None:
     own = balls.replace("= 0.5", "= 0.5\ncolor3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]")
     grey = [[0.5] * 3, by_entry[1], [0.5] * 3, by_entry[3]]
     assert seen(shot(instancer(ROW + colors(), own), name="own.usda")).tolist() == grey
-    # Animated, it is a change of shading alone.
+    # Animated, it moves nothing.
     declared = 'color3f[] primvars:displayColor (interpolation = "vertex")\n'
     first, second = COLORS.split(" = ")[1].replace("(1, 0, 0)", "(0, 0, 1)"), COLORS.split(" = ")[1]
     keyed = f"color3f[] primvars:displayColor.timeSamples = {{ 1: {first}, 2: {second} }}\n"
     opened = shot(instancer(ROW + declared + keyed, balls), name="keyed.usda", frames=(1.0, 2.0))
     assert seen(opened, 1.0).tolist() == [[0, 0, 1], *by_entry[1:]]
     assert seen(opened, 2.0).tolist() == by_entry
+    (change,) = diff(opened.read(1.0), opened.read(2.0)).changes
+    assert (change.attribute, change.invalidates) == ("primvars:displayColor", "spawned rays")
 
 
 def test_the_inner_instancer_gives_first(shot: MakeShot) -> None:

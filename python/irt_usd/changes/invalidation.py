@@ -49,10 +49,13 @@ def invalidates(
             return "what is written (no rays)"
         return "everything (restart)"
     if isinstance(state, ObjectState):
-        whole = old is None or new is None
-        return (
-            "visibility and shading" if whole else _OBJECT.get(attribute, "visibility and shading")
-        )
+        if old is None or new is None:
+            return "visibility and shading"
+        # Those of points and curves come with their shape.
+        shaded = state.attributes["typeName"] in ("Mesh", "PointInstancer")
+        if shaded and attribute.startswith("primvars:"):
+            return "spawned rays"
+        return _OBJECT.get(attribute, "visibility and shading")
     if isinstance(state, MaterialState):
         if attribute == "diffuseColor" and not (_only_diffuse(old) and _only_diffuse(new)):
             return "spawned rays"

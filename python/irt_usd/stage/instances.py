@@ -80,7 +80,7 @@ class InstancesShape(Shape):
             "protoIndices": kinds,
             "array_from_prototype": array.array_from_prototype,
             "prototypes": tuple(path for path, _ in prototypes),
-            **primvar_attributes(primvars),
+            **primvar_attributes({_authored(name): value for name, value in primvars.items()}),
             **{
                 f"{path}.{name}": value
                 for _, prototype in prototypes

@@ -57,7 +57,7 @@ class PrimvarValue:
         """Those elements, in their order; None: all."""
         if elements is None:
             return self
-        if self.indices is None:
+        if self.indices is None or len(elements) == 0:
             return PrimvarValue(self.interpolation, self.values[elements], None)
         return PrimvarValue(self.interpolation, self.values, self.indices[elements])
 
