@@ -36,9 +36,14 @@ std::vector<V2d> flattened(const Mesh& mesh, std::uint32_t first, std::uint32_t 
 }
 
 bool convex(const std::vector<V2d>& p) {
-    const std::size_t n = p.size();
-    for (std::size_t k = 0; k < n; ++k)
-        if (area(p[k], p[(k + 1) % n], p[(k + 2) % n]) < 0) return false;
+    std::vector<V2d> edges;
+    for (std::size_t k = 0; k < p.size(); ++k)
+        if (const V2d edge = p[(k + 1) % p.size()] - p[k]; edge != V2d(0, 0)) edges.push_back(edge);
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+        const V2d &a = edges[k], &b = edges[(k + 1) % edges.size()];
+        const double turn = a.x * b.y - a.y * b.x;
+        if (turn < 0 || (turn == 0 && a.dot(b) < 0)) return false;
+    }
     return true;
 }
 
@@ -71,10 +76,12 @@ class Remainder {
     }
     void cut(std::size_t i) { left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(i)); }
 
-    /// The first corner that can be cut off: a convex one whose triangle no edge enters (which
-    /// bounds no more than touching points and edges do), else one that is no corner, else (the
-    /// polygon crosses itself) any.
+    /// The first corner that can be cut off: a way back or a point twice, else a convex one whose
+    /// triangle no edge enters (edges and points may touch it), else one on a straight line, else
+    /// (the polygon crosses itself) any.
     [[nodiscard]] std::size_t next_ear() const {
+        for (std::size_t i = 0; i < size(); ++i)
+            if (turn(i) == 0 && !goes_on(i)) return i;
         for (std::size_t i = 0; i < size(); ++i)
             if (turn(i) > 0 && is_clear(i)) return i;
         for (std::size_t i = 0; i < size(); ++i)
@@ -86,6 +93,11 @@ class Remainder {
     [[nodiscard]] double turn(std::size_t i) const {
         const auto [a, b, c] = ear(i);
         return area(points_[a], points_[b], points_[c]);
+    }
+    /// Of a corner that does not turn: whether it is on the way, and no way back or standstill.
+    [[nodiscard]] bool goes_on(std::size_t i) const {
+        const auto [a, b, c] = ear(i);
+        return (points_[b] - points_[a]).dot(points_[c] - points_[b]) > 0;
     }
     [[nodiscard]] bool is_clear(std::size_t i) const {
         const auto [a, b, c] = ear(i);
