@@ -58,6 +58,7 @@ py::array read_only(const py::object& owner, const T* data, std::vector<py::ssiz
 
 void bind_materials(py::module_& module);
 void bind_records(py::module_& module);
+void bind_lights(py::module_& module);
 void bind_renderer(py::module_& module);
 void bind_checkpoint(py::module_& module, py::class_<Renderer>& renderer);
 void bind_bench(py::module_& module);

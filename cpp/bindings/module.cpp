@@ -10,6 +10,7 @@
 PYBIND11_MODULE(_core, module) {
     namespace py = pybind11;
     irt::bindings::bind_materials(module);
+    irt::bindings::bind_lights(module);
     irt::bindings::bind_records(module);
     irt::bindings::bind_renderer(module);
     irt::bindings::bind_bench(module);

@@ -360,99 +360,7 @@ void bind_geometry(py::module_& module) {
         });
 }
 
-Profile profile_named(const std::string& name) {
-    if (name == "uniform") return Profile::Uniform;
-    if (name == "facing") return Profile::Facing;
-    if (name == "round") return Profile::Round;
-    throw py::value_error("profile '" + name + "' is none of uniform, facing, round");
-}
-
-std::shared_ptr<const IesWeb> make_web(const py::handle& value) {
-    auto web = std::make_shared<IesWeb>();
-    std::tie(web->vertical, web->horizontal, web->values) =
-        value.cast<std::tuple<std::vector<float>, std::vector<float>, std::vector<float>>>();
-    if (web->vertical.empty() || web->horizontal.empty() ||
-        web->values.size() != web->vertical.size() * web->horizontal.size())
-        throw py::value_error("ies: as many values as pairs of angles, one at least");
-    return web;
-}
-
-/// Sets what is given by name of a light's further fields.
-void modify(Light& light, const py::dict& modifiers) {
-    for (const auto& [key, value] : modifiers) {
-        const auto name = key.cast<std::string>();
-        if (name == "profile")
-            light.profile = profile_named(value.cast<std::string>());
-        else if (name == "axis")
-            light.direction = vec3d(value.cast<Triple>());
-        else if (name == "side")
-            light.side = vec3d(value.cast<Triple>());
-        else if (name == "diffuse")
-            light.diffuse = value.cast<float>();
-        else if (name == "specular")
-            light.specular = value.cast<float>();
-        else if (name == "cone_angle")
-            light.cone_angle = value.cast<float>();
-        else if (name == "cone_softness")
-            light.cone_softness = value.cast<float>();
-        else if (name == "focus")
-            light.focus = value.cast<float>();
-        else if (name == "focus_tint")
-            light.focus_tint = vec3f(value.cast<Triple>());
-        else if (name == "ies")
-            light.ies = make_web(value);
-        else if (name == "shadow_color")
-            light.shadow_color = vec3f(value.cast<Triple>());
-        else if (name == "shadow_distance")
-            light.shadow_distance = value.cast<float>();
-        else if (name == "unlit")
-            light.unlit = value.cast<std::vector<std::string>>();
-        else
-            throw py::value_error("a light has no '" + name + "'");
-    }
-    std::sort(light.unlit.begin(), light.unlit.end());
-}
-
-Light make_distant(const Triple& direction, const Triple& irradiance, bool shadows,
-                   const py::dict& modifiers) {
-    Light light;
-    light.direction = vec3d(direction);
-    light.energy = vec3f(irradiance);
-    light.casts_shadows = shadows;
-    modify(light, modifiers);
-    return light;
-}
-
-Light make_point(const Triple& position, const Triple& intensity, bool shadows,
-                 const py::dict& modifiers) {
-    Light light;
-    light.kind = LightKind::Point;
-    light.position = vec3d(position);
-    light.energy = vec3f(intensity);
-    light.casts_shadows = shadows;
-    modify(light, modifiers);
-    return light;
-}
-
-void bind_light_and_camera(py::module_& module) {
-    py::class_<Light>(module, "Light")
-        .def_static("distant", &make_distant, py::arg("direction"), py::arg("irradiance"),
-                    py::arg("casts_shadows") = true, py::kw_only(),
-                    py::arg("modifiers") = py::dict())
-        .def_static("point", &make_point, py::arg("position"), py::arg("intensity"),
-                    py::arg("casts_shadows") = true, py::kw_only(),
-                    py::arg("modifiers") = py::dict())
-        .def_static(
-            "environment",
-            [](const Triple& radiance, bool camera_visible) {
-                Light light;
-                light.kind = LightKind::Environment;
-                light.camera_visible = camera_visible;
-                light.energy = vec3f(radiance);
-                light.casts_shadows = false;
-                return light;
-            },
-            py::arg("radiance"), py::arg("camera_visible") = true);
+void bind_camera(py::module_& module) {
     py::class_<Camera>(module, "Camera")
         .def(
             py::init([](const Array<double>& world_from_camera, const std::array<double, 4>& window,
@@ -469,7 +377,7 @@ void bind_light_and_camera(py::module_& module) {
 
 void bind_records(py::module_& module) {
     bind_geometry(module);
-    bind_light_and_camera(module);
+    bind_camera(module);
     py::class_<ChangeSet>(module, "ChangeSet")
         .def(py::init<>())
         .def(

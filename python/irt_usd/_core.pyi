@@ -292,10 +292,13 @@ class Light:
     ) -> Light:
         """`direction` is the way the light travels; `irradiance` at normal incidence.
 
-        `modifiers`, of a point light too: profile (uniform, facing, round), axis (a point's main
-        direction) and side (across it; unit, world space), diffuse, specular, cone_angle (degrees),
-        cone_softness, focus, focus_tint, ies (vertical angles, horizontal angles, values by
-        horizontal and vertical angle), shadow_color, shadow_distance, unlit (paths of objects)."""
+        `modifiers`, of a point light too: profile (uniform, facing, round, facets), facets (by
+        row, area along its normal and offset from the position; (n, 6), world orientation), axis
+        (a point's main direction) and side (across it; unit, world space), diffuse, specular,
+        cone_angle (degrees), cone_softness, focus, focus_tint, ies (vertical angles, horizontal
+        angles, values by horizontal and vertical angle), shadow_color, shadow_distance,
+        shadow_falloff, shadow_falloff_gamma, unlit and shadowless (paths of objects it does not
+        light, and that cast none of its shadows)."""
     @staticmethod
     def point(
         position: Vec3,
@@ -306,11 +309,42 @@ class Light:
     ) -> Light:
         """`intensity` is the greatest radiant intensity: irradiance is intensity / distance²."""
     @staticmethod
-    def environment(radiance: Vec3, camera_visible: bool = True) -> Light:
+    def environment(
+        radiance: Vec3,
+        camera_visible: bool = True,
+        texture: Texture | None = None,
+        axes: tuple[Vec3, Vec3, Vec3] = ...,
+    ) -> Light:
         """What rays see that meet nothing; it lights no surface.
 
-        `camera_visible`: whether those that come straight from the camera see it.
-        """
+        `camera_visible`: whether those that come straight from the camera see it. `texture` is a
+        lat-long picture as OpenEXR has them, with its x, y (pole) and z axes in the world,
+        orthonormal."""
+
+def sky_directions(count: int, up: Vec3) -> list[tuple[float, float, float]]:
+    """Unit directions in which light travels, spread evenly over the sphere (Fibonacci's).
+
+    Raises ValueError where `count` is below 1."""
+
+class SkyCells:
+    """A lat-long picture, summed up in cells small enough to be taken for directions."""
+
+    def __init__(self, texture: Texture) -> None: ...
+    def irradiances(
+        self, axes: tuple[Vec3, Vec3, Vec3], directions: Sequence[Vec3]
+    ) -> list[tuple[float, float, float]]:
+        """Irradiance at normal incidence of the distant light in each direction: each stands for
+        the part of the sky that is nearest to it."""
+
+def texture_mean(texture: Texture) -> tuple[float, float, float]:
+    """The mean colour of the finest texels: linear light, rendering space."""
+
+def mesh_light(
+    mesh: Mesh, world_from_object: NDArray[np.float64], path: str
+) -> tuple[tuple[float, float, float], float, NDArray[np.float32]]:
+    """Centre of a mesh's surface, its area, and its facets (n, 6), as Light.distant takes them.
+
+    Raises ValueError, naming `path`, on broken topology or values."""
 
 class Camera:
     """`window` is (left, right, bottom, top) of the image on camera space's plane z = -1

@@ -77,6 +77,31 @@ RETEXTURES: dict[str, Sequence[Any]] = {
     "wrap": tuple((s, t) for s in WRAPS for t in WRAPS),
     "channel": ("r", "a"),
 }
+TETRAHEDRON = tuple(
+    (*corner, *(0.25 * c for c in corner))
+    for corner in ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
+)
+NAMED: Sequence[Any] = ((), ("/a",), ("/floor",), ("/b", "/e"), ("/cloud", "/swarm", "/nowhere"))
+MODIFIERS: dict[str, Sequence[Any]] = {
+    "profile": ("uniform", "facing", "round", "facets"),
+    "axis": DIRECTIONS[:2],
+    "facets": (TETRAHEDRON, TETRAHEDRON[:1], TETRAHEDRON),
+    "diffuse": SHARES,
+    "specular": SHARES,
+    "cone_angle": (180.0, 20.0, 45.0),
+    "cone_softness": (0.0, 0.5),
+    "focus": (0.0, 3.0),
+    "ies": (
+        ((0.0, 90.0, 180.0), (0.0,), (1.0, 0.5, 0.0)),
+        ((0.0, 60.0), (0.0, 90.0), (1, 1, 0, 2)),
+    ),
+    "shadow_color": ((0.0, 0.0, 0.0), (0.5, 0.0, 0.25)),
+    "shadow_distance": (-1.0, 0.5, 1.5, 3.0),
+    "shadow_falloff": (0.0, 0.5, 2.0),
+    "shadow_falloff_gamma": (1.0, 2.0),
+    "unlit": NAMED,
+    "shadowless": NAMED,
+}
 SWARMS = ("array", "forest")
 SWARM = (
     (0, 0, (0.0, 0.0, 0.0), 0.5),
@@ -231,8 +256,19 @@ EDITS: dict[str, Callable[[Pick], Edit]] = {
     "paper": lambda pick: ("bind", pick((*NAMES, *MANY, "/floor")), pick(PAPERS)),
     "paper's look": lambda pick: ("look", pick(PAPERS), look(pick)),
     "light": lambda pick: ("light", pick(LIGHTS), light(pick)),
-    "light off": lambda pick: ("dark", pick(LIGHTS)),
+    "light off": lambda pick: ("dark", pick((*LIGHTS, "/sky"))),
     "light aimed": lambda pick: ("aim", pick(LIGHTS), pick(DIRECTIONS)),
+    "light shaped": lambda pick: (
+        "shape",
+        pick(LIGHTS),
+        {name: pick(MODIFIERS[name]) for name in (pick(tuple(MODIFIERS)),)},
+    ),
+    "sky": lambda pick: (
+        "light",
+        "/sky",
+        ("sky", pick((PLAIN, *TURNS)), color(pick), pick((None, *IMAGES[:5]))),
+    ),
+    "sky's energy": lambda pick: ("shine", "/sky", color(pick)),
     "light's energy": lambda pick: ("shine", pick(LIGHTS), color(pick)),
     "undo": lambda pick: ("undo", pick((1, 1, 2, 3))),
 }

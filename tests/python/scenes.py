@@ -10,9 +10,10 @@ a square mesh, ("points", ((x, y, z, width), ...)), ("curves" or "ribbons", basi
 width), ...)), ("pair", radius, material), an instance, or ("array" or "forest", ((key, prototype,
 offset, scale), ...), size), instances, or instances of instances; a material is the arguments of
 _core.Material, and perhaps "textured", see textures.py; a light is ("distant", direction,
-irradiance, casts_shadows) or ("point", position, intensity, casts_shadows). Records of _core may
-stand in their place. An object is (geometry, matrix, material), or has colours besides: its primvar
-"dye", by point, ball or entry, as many as there are, over and over.
+irradiance, casts_shadows) or ("point", position, intensity, casts_shadows), perhaps with modifiers,
+or ("sky", axes, radiance, image or None). Records of _core may stand in their place. An object is
+(geometry, matrix, material), or has colours besides: its primvar "dye", by point, ball or entry, as
+many as there are, over and over.
 """
 
 from dataclasses import dataclass, field
@@ -217,8 +218,12 @@ def material_record(material: Any) -> Any:
 def light_record(light: Any) -> Any:
     if not isinstance(light, tuple):
         return light
+    if light[0] == "sky":
+        _, axes, radiance, image = light
+        picture = textures.made(image, "linear") if image else None
+        return _core.Light.environment(radiance, True, picture, axes)
     make = _core.Light.distant if light[0] == "distant" else _core.Light.point
-    return make(*light[1:])
+    return make(*light[1:4], modifiers=light[4] if len(light) > 4 else {})
 
 
 @dataclass
@@ -421,13 +426,19 @@ class State:
 
     def _aim(self, name: str, vector: tuple[float, ...]) -> None:
         """Another direction or position of a light."""
-        if isinstance(light := self.lights.get(name), tuple):
+        if isinstance(light := self.lights.get(name), tuple) and light[0] != "sky":
             self.lights[name] = (light[0], vector, *light[2:])
 
     def _shine(self, name: str, energy: tuple[float, ...]) -> None:
         """Another colour or energy of a light."""
         if isinstance(light := self.lights.get(name), tuple):
             self.lights[name] = (*light[:2], energy, *light[3:])
+
+    def _shape(self, name: str, modifiers: dict[str, Any]) -> None:
+        """Other modifiers of a light."""
+        if isinstance(light := self.lights.get(name), tuple) and light[0] != "sky":
+            before = light[4] if len(light) > 4 else {}
+            self.lights[name] = (*light[:4], {**before, **modifiers})
 
     # ---- all
 

@@ -18,6 +18,7 @@ from shots.bench import make_bench
 from shots.demo import make_demo
 from shots.features import looks, make_features
 from shots.features.images import TEXTURES
+from shots.lights import make_lights
 from shots.open_chess import make_open_chess
 from shots.paper import make_paper
 from shots.pipeline import make_pipeline
@@ -35,6 +36,7 @@ ASSETS = SHOTS.parents[1] / "shared/assets"
         ("paper/spheres.usda", make_paper.spheres),
         ("open_chess/open_chess.usda", make_open_chess.build),
         ("pipeline/pipeline.usda", make_pipeline.build),
+        ("lights/lights.usda", make_lights.build),
         *[(f"features/{n}", make) for n, make in make_features.LAYERS.items()],
     ],
 )
@@ -111,6 +113,24 @@ def test_features_are_exact_and_wholly_rendered(tmp_path: Path) -> None:
     )
     assert result.exit_code == 0, result.output
     assert "not supported" not in result.output
+
+
+def test_lights_have_the_files_their_script_writes() -> None:
+    folder = SHOTS / "lights"
+    assert (folder / "profile.ies").read_text() == make_lights.IES
+    for name, make in make_lights.PICTURES.items():
+        stored = oiio.ImageBuf(str(folder / name)).get_pixels(oiio.HALF)
+        assert stored is not None
+        assert np.array_equal(stored, make().astype(np.float16)), name
+
+
+def test_lights_are_exact_wholly_rendered_and_change_in_every_frame(tmp_path: Path) -> None:
+    stage = str(SHOTS / "lights/lights.usda")
+    result = irt("verify", stage, "--size", "96x64", "--dome-samples", "8")
+    assert result.exit_code == 0, result.output
+    assert "not supported" not in result.output
+    assert "skipped" not in result.output
+    assert changing_frames(stage) == set(range(make_lights.FIRST + 1, make_lights.LAST + 1))
 
 
 def changing_frames(*arguments: str) -> set[int]:

@@ -3,14 +3,18 @@
 
 from math import cos, pi, radians, sin
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from pxr import UsdLux
 
 from conftest import MakeShot, ReadShot
+from irt_usd import _core
+from irt_usd.choices import MISSING_ASSET
+from irt_usd.errors import InputError
 from irt_usd.stage import LightState, ReadOptions
-from irt_usd.stage.lights import CAMERA_LIGHT, dome_directions
+from irt_usd.stage.lights import CAMERA_LIGHT
 
 UNIT = "float inputs:intensity = 1\n"
 OPS = 'uniform token[] xformOpOrder = ["xformOp:{}"]\n'
@@ -126,19 +130,36 @@ def test_shadow_enable(shot: MakeShot) -> None:
 
 
 @pytest.mark.parametrize(
-    ("schema", "line"),
+    ("kind", "schema", "line"),
     [
-        ("ShapingAPI", "float inputs:shaping:ies:angleScale = 0.5"),
-        ("ShadowAPI", "float inputs:shadow:falloff = 1"),
-        ("", "rel collection:shadowLink:excludes = </S>"),
-        ("", "rel light:filters = </F>"),
+        ("DistantLight", "ShapingAPI", "float inputs:shaping:cone:angle = 90"),
+        ("DistantLight", "", "asset inputs:shaping:ies:file = @a.ies@"),
+        ("DistantLight", "", "float inputs:shaping:focus = 2"),
+        ("DomeLight", "ShapingAPI", "float inputs:shaping:cone:angle = 20"),
+        ("DomeLight", "", "rel portals = </P>"),
+        (
+            "DomeLight_1",
+            "",
+            'token inputs:texture:format = "angular"\nasset inputs:texture:file = @a@',
+        ),
+        ("SphereLight", "", "rel light:filters = </F>"),
     ],
 )
-def test_what_is_not_rendered_is_reported(shot: MakeShot, schema: str, line: str) -> None:
-    made = shot(light("SphereLight", UNIT + line, schema))
+def test_what_is_not_rendered_is_reported(
+    shot: MakeShot, kind: str, schema: str, line: str
+) -> None:
+    made = shot(light(kind, UNIT + line, schema))
     assert lit(made)
     (text,) = made.notices("unsupported")
     assert text.endswith(": /L")
+
+
+@pytest.mark.parametrize("kind", ["DistantLight", "DomeLight"])
+def test_shaping_that_says_nothing_is_not_reported(shot: MakeShot, kind: str) -> None:
+    lines = "float inputs:shaping:cone:angle = 180\nfloat inputs:shaping:focus\n"
+    made = shot(light(kind, UNIT + lines + "asset inputs:shaping:ies:file", "ShapingAPI"))
+    assert lit(made)
+    assert not made.notices("unsupported")
 
 
 @pytest.mark.parametrize(
@@ -343,18 +364,114 @@ def test_ies(shot: MakeShot, tmp_path: Path) -> None:
 def test_bad_ies(shot: MakeShot, tmp_path: Path, content: str | None, what: str) -> None:
     if content is not None:
         (tmp_path / "a.ies").write_text(content)
-    made = shot(light("SphereLight", UNIT + "asset inputs:shaping:ies:file = @./a.ies@\n"))
-    assert not made.read().lights
+    body = light("SphereLight", UNIT + "asset inputs:shaping:ies:file = @./a.ies@\n")
+    with pytest.raises(InputError, match=r"IES files; .*--missing-asset fallback") as caught:
+        shot(body)
+    assert what.lower() in str(caught.value).lower()
+    assert "/L.inputs:shaping:ies:file in" in str(caught.value)
+    for policy in MISSING_ASSET[1:]:
+        made = shot(body, options=ReadOptions(missing_asset=policy))
+        assert "ies" not in lit(made).modifiers
+        (text,) = made.notices("skipped")
+        assert what.lower() in text.lower()
+        assert "/L.inputs:shaping:ies:file" in text
+
+
+@pytest.mark.parametrize(
+    ("scale", "vertical", "values"),
+    [
+        (0.0, (0, 45, 90), (200, 100, 0)),
+        (0.5, (0, 22.5, 45), (200, 100, 0)),
+        (3.0, (0, 135, 180), (200, 100, 200 / 3)),
+        (-0.5, (0, 90, 112.5, 135), (200, 200, 100, 0)),
+        (-2.0, (0,), (0,)),
+    ],
+)
+def test_ies_angle_scale(
+    shot: MakeShot, tmp_path: Path, scale: float, vertical: Any, values: Any
+) -> None:
+    """Above 0 angles are divided by it from 0 on, below 0 by its size from 180 on."""
+    (tmp_path / "a.ies").write_text(IES)
+    line = (
+        f"asset inputs:shaping:ies:file = @./a.ies@\nfloat inputs:shaping:ies:angleScale = {scale}"
+    )
+    web = lit(shot(light("SphereLight", UNIT + line))).modifiers["ies"]
+    assert web[0] == pytest.approx(vertical)
+    assert web[2] == pytest.approx(values)
+
+
+def test_ies_profiles_may_come_and_go(shot: MakeShot, tmp_path: Path) -> None:
+    (tmp_path / "a.ies").write_text(IES)
+    (tmp_path / "b.ies").write_text(IES.replace("100 50 0", "10 5 0"))
+    line = "asset inputs:shaping:ies:file.timeSamples = {1: @./a.ies@, 2: @./b.ies@, 3: @@}"
+    made = shot(light("SphereLight", UNIT + line), frames=(1, 2, 3))
+    assert [lit(made, t).modifiers.get("ies", [None] * 3)[2] for t in (1, 2, 3)] == [
+        (200, 100, 0),
+        (20, 10, 0),
+        None,
+    ]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "float inputs:specular = nan",
+        "float inputs:diffuse = -1",
+        "float inputs:shadow:falloffGamma = -2",
+        "color3f inputs:shadow:color = (0, inf, 0)",
+        "float inputs:shaping:focus = nan",
+    ],
+)
+def test_modifiers_that_cannot_be_rendered_give_way(shot: MakeShot, line: str) -> None:
+    made = shot(light("SphereLight", UNIT + line))
+    assert not set(lit(made).modifiers) - {"profile", "axis", "side"}
     (text,) = made.notices("skipped")
-    assert what in text
-    assert "/L.inputs:shaping:ies:file" in text
+    assert "its default is rendered" in text
+    assert "/L.inputs:" in text
+
+
+def test_shadow_falloff(shot: MakeShot) -> None:
+    lines = "float inputs:shadow:falloff = 2\nfloat inputs:shadow:falloffGamma = 0.5\n"
+    assert not lit(shot(light("SphereLight", UNIT + lines))).modifiers  # without a distance
+    lines += "float inputs:shadow:distance = 3"
+    for kind in ("SphereLight", "DistantLight", "DomeLight"):
+        found = lit(shot(light(kind, UNIT + lines), name=f"{kind}.usda")).modifiers
+        assert found == {
+            "shadow_distance": 3.0,
+            "shadow_falloff": 2.0,
+            "shadow_falloff_gamma": 0.5,
+        }
+
+
+def test_shadow_linking(shot: MakeShot) -> None:
+    """Nested collections, instances' prims, and arrays as one."""
+    body = (
+        'def Xform "Set" (prepend apiSchemas = ["CollectionAPI:key", "CollectionAPI:all"])\n{\n'
+        "rel collection:key:includes = [</Set/A>, </I>]\n"
+        "rel collection:all:includes = [</Set.collection:key>, </P/Swarm>]\n"
+        'def Sphere "A"\n{\n}\ndef Sphere "B"\n{\n}\n}\n'
+        'def Xform "I" (instanceable = true\nreferences = </C>)\n{\n}\n'
+        'class Xform "C"\n{\ndef Sphere "S"\n{\n}\ndef Sphere "T"\n{\n}\n}\n'
+        'def Xform "P"\n{\ndef PointInstancer "Swarm"\n{\nrel prototypes = </P/Swarm/Ball>\n'
+        "int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0), (3, 0, 0)]\n"
+        'def Sphere "Ball"\n{\n}\n}\n}\n'
+    )
+    line = (
+        "bool collection:shadowLink:includeRoot = 0\n"
+        "rel collection:shadowLink:includes = </Set.collection:all>\n"
+        "rel collection:shadowLink:excludes = </I/T>\n"
+        "rel collection:lightLink:excludes = </P/Swarm>\n"
+    )
+    made = shot(body + light("DistantLight", UNIT + line))
+    assert lit(made).modifiers == {"shadowless": ("/I/T", "/Set/B"), "unlit": ("/P/Swarm",)}
+    assert not made.notices("unsupported")
 
 
 def test_dome_is_a_sky_and_lights_that_share_its_irradiance(shot: MakeShot) -> None:
     made = shot(light("DomeLight", UNIT), options=ReadOptions(dome_samples=64))
     records = lit(made).core()
     assert len(records) == 65
-    directions = np.array(dome_directions(64))
+    directions = np.array(_core.sky_directions(64, (0, 1, 0)))
     np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1)
     for normal in np.array([[0, 1, 0], [1, 0, 0], [0.6, 0, 0.8], [-0.48, 0.6, 0.64]]):
         irradiance = np.maximum(-directions @ normal, 0).sum() * 4 * pi / 64

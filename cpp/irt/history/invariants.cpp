@@ -24,12 +24,12 @@ bool same_name(const trace::HitName& a, const trace::HitName& b) {
     return a.object == b.object && a.part == b.part && a.primitive == b.primitive;
 }
 
-/// Whether an opaque part of object `slot` is on `ray`.
-bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray) {
+/// Whether an opaque part of object `slot` is on a shadow ray of `light`.
+bool blocks(const Scene& scene, std::uint32_t slot, const trace::Ray& ray, const LightSlot& light) {
     return trace::judge_object(scene, slot, trace::judge_ray(ray), ray.camera,
                                [&](const trace::Hit& hit) {
                                    trace::Occlusion sum;
-                                   trace::add_occluder(scene, ray, hit, sum);
+                                   trace::add_occluder(scene, ray, hit, sum, light.rule());
                                    return sum.blocker != trace::none;
                                });
 }
@@ -198,11 +198,11 @@ class Checker {
             path(index, light.paths[at],
                  table_.grid().path(ray.origin, ray.direction, static_cast<double>(ray.t_max)));
             trace::QueryCounts counts;
-            require(kept.depth == intersector_.occlusion(ray, counts).depth, index,
-                    "a shadow record has the optical depth of its ray");
+            require(kept.depth == intersector_.occlusion(ray, counts, lights_[l].rule()).depth,
+                    index, "a shadow record has the optical depth of its ray");
             require(kept.blocker == trace::none ||
                         (kept.blocker < scene_.slot_count() && scene_.live(kept.blocker) &&
-                         blocks(scene_, kept.blocker, ray)),
+                         blocks(scene_, kept.blocker, ray, lights_[l])),
                     index, "the blocker of a shadow record is opaque and on its ray");
             own *= shade::shadowed(lights_[l].record, kept);
         }
@@ -266,13 +266,12 @@ class Checker {
             for (const NodeIndex branch : kept.branches) {
                 if (branch == no_node) continue;
                 const Node& node = trees_.nodes[branch];
-                sum =
-                    shade::add_scaled(sum, node.weight,
-                                      node.point == no_point
-                                          ? (c == 0 ? V3f(0, 0, 0)
-                                                    : shade::seen_beyond(lights_[c - 1].record,
-                                                                         trees_.ray(branch).camera))
-                                          : column[node.point].cumulative);
+                sum = shade::add_scaled(
+                    sum, node.weight,
+                    node.point == no_point
+                        ? (c == 0 ? V3f(0, 0, 0)
+                                  : shading_.seen_beyond(lights_[c - 1], trees_.ray(branch)))
+                        : column[node.point].cumulative);
             }
             require(same_bits(column[at].cumulative, sum), index,
                     "cumulative intensities are the sums of own ones and branches");

@@ -165,12 +165,14 @@ void RayTrees::set_hit(NodeIndex index, const trace::Hit& hit) {
     points[point].piece = hit.piece;
 }
 
-void RayTrees::settle(SampleIndex first, const End& end, const std::vector<V3f>& beyond) {
+void RayTrees::settle(SampleIndex first, const End& end, const SeenBeyond& seen_beyond) {
     settled_rays += rays() - end.rays;
     for (SampleIndex sample = first; sample < roots.size(); ++sample) {
-        const PointIndex point = nodes[roots[sample]].point;
+        const NodeIndex root = roots[sample];
+        const PointIndex point = nodes[root].point;
         for (std::size_t c = emits ? 0 : 1; c < columns.size(); ++c)
-            settled[c].push_back(point == no_point ? beyond[c] : columns[c][point].cumulative);
+            settled[c].push_back(point == no_point ? seen_beyond(c, root)
+                                                   : columns[c][point].cumulative);
         roots[sample] = settled_bit | settled_count++;
     }
     for (LightNodes& light : lights) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <memory_resource>
@@ -175,10 +176,11 @@ struct RayTrees {
         std::uint64_t rays;
     };
     [[nodiscard]] End end() const { return {nodes.size(), points.size(), rays()}; }
+    /// What the ray of a node that meets nothing sees, of a column.
+    using SeenBeyond = std::function<V3f(std::size_t column, NodeIndex node)>;
     /// Keeps of the samples from `first` on, which were traced since `end`, their intensities
-    /// alone. Only where no node was freed since. `beyond`: by column, what rays see that meet
-    /// nothing.
-    void settle(SampleIndex first, const End& end, const std::vector<V3f>& beyond);
+    /// alone. Only where no node was freed since.
+    void settle(SampleIndex first, const End& end, const SeenBeyond& seen_beyond);
 
     /// Marks `node`, and `mark_walk` from there to its root. True if the root had no mark yet.
     bool mark(NodeIndex node, std::uint8_t what);

@@ -20,8 +20,8 @@ double smoothstep(double x, double low, double high) {
     return t * t * (3 - 2 * t);
 }
 
-/// The projected area of the emitter, as a share of the greatest.
-double far_field(const Light& light, const V3d& direction, double along_axis) {
+/// The projected area of the emitter: as a share of the greatest, or for a mesh as it is.
+double far_field(const Light& light, const V3d& direction, double along_axis, double squared) {
     switch (light.profile) {
         case Profile::Uniform:
             return 1;
@@ -30,6 +30,20 @@ double far_field(const Light& light, const V3d& direction, double along_axis) {
         case Profile::Round: {
             const double along = direction.dot(light.side);
             return std::sqrt(std::max(1 - along * along, 0.0));
+        }
+        case Profile::Facets: {
+            // A disk of area a sends to a point on its axis, at the distance d, as a point would
+            // from the root of d^2 + a / pi.
+            const V3d point = direction * std::sqrt(squared);
+            double sum = 0;
+            for (const Facet& facet : light.facets) {
+                const V3d area(facet.area), way = point - V3d(facet.offset);
+                const double turned = area.dot(way), distance = way.dot(way);
+                if (!(turned > 0)) continue;
+                sum += turned / std::sqrt(distance) /
+                       (distance + std::sqrt(area.dot(area)) / std::numbers::pi);
+            }
+            return sum * squared;
         }
     }
     return 1;
@@ -79,9 +93,9 @@ double web(const IesWeb& web, const Light& light, const V3d& direction, double a
 
 }  // namespace
 
-V3d emission(const Light& light, const V3d& direction) {
+V3d emission(const Light& light, const V3d& direction, double squared) {
     const double along = direction.dot(light.direction);
-    double share = far_field(light, direction, along) * cone(light, along);
+    double share = far_field(light, direction, along, squared) * cone(light, along);
     V3d tint{1, 1, 1};
     if (light.focus > 0) {
         const double focused = along > 0 ? libm::pow(along, static_cast<double>(light.focus)) : 0.0;

@@ -8,7 +8,8 @@
 namespace irt {
 
 /// Share of the light's energy that leaves in `direction` (unit, world orientation), by channel: 1
-/// all around where nothing shapes it. Pure function of the record.
-V3d emission(const Light& light, const V3d& direction);
+/// all around where nothing shapes it. `squared`: the square of the distance to the lit point, of
+/// lights that have a place. Pure function of all three.
+V3d emission(const Light& light, const V3d& direction, double squared);
 
 }  // namespace irt

@@ -108,7 +108,15 @@ bool same(const Light& a, const Light& b) {
 }
 
 bool same_but_energy(const Light& a, const Light& b) {
-    return same_response(a, b) && a.unlit == b.unlit;
+    return same_response(a, b) && same_sky(a, b) && a.unlit == b.unlit &&
+           a.shadowless == b.shadowless;
+}
+
+bool same_sky(const Light& a, const Light& b) {
+    if (a.sky == b.sky || !a.sky || !b.sky) return a.sky == b.sky;
+    return (a.sky->texture == b.sky->texture || same(*a.sky->texture, *b.sky->texture)) &&
+           same_bits(a.sky->x, b.sky->x) && same_bits(a.sky->y, b.sky->y) &&
+           same_bits(a.sky->z, b.sky->z);
 }
 
 bool same_response(const Light& a, const Light& b) {
@@ -117,6 +125,7 @@ bool same_response(const Light& a, const Light& b) {
            same_bits(a.specular, b.specular) && same_bits(a.cone_angle, b.cone_angle) &&
            same_bits(a.cone_softness, b.cone_softness) && same_bits(a.focus, b.focus) &&
            same_bits(a.focus_tint, b.focus_tint) && same_bits(a.shadow_color, b.shadow_color) &&
+           same_bits(a.facets, b.facets) &&
            (a.ies == b.ies || (a.ies && b.ies && same(*a.ies, *b.ies)));
 }
 
@@ -124,7 +133,10 @@ bool same_rays(const Light& a, const Light& b) {
     return a.kind == b.kind &&
            (a.kind != LightKind::Distant || same_bits(a.direction, b.direction)) &&
            same_bits(a.position, b.position) && a.casts_shadows == b.casts_shadows &&
-           a.camera_visible == b.camera_visible && same_bits(a.shadow_distance, b.shadow_distance);
+           a.camera_visible == b.camera_visible &&
+           same_bits(a.shadow_distance, b.shadow_distance) &&
+           same_bits(a.shadow_falloff, b.shadow_falloff) &&
+           same_bits(a.shadow_falloff_gamma, b.shadow_falloff_gamma);
 }
 
 bool same(const Camera& a, const Camera& b) {

@@ -24,10 +24,13 @@ bool same_tint(const Material& a, const Material& b);
 bool same(const Light& a, const Light& b);
 /// Whether the two are alike in all but energy.
 bool same_but_energy(const Light& a, const Light& b);
-/// Whether surfaces that both light respond to them alike, energy apart.
+/// Whether rays that meet nothing see the two alike, energy apart.
+bool same_sky(const Light& a, const Light& b);
+/// Whether surfaces that both light respond to them alike, energy apart, where the same shadows
+/// fall.
 bool same_response(const Light& a, const Light& b);
-/// Whether the two cast the same shadow rays from surfaces that both light, and are seen by the
-/// same rays.
+/// Whether the two cast the same shadow rays from surfaces that both light, what both let cast
+/// shadows stops the same share of those, and the two are seen by the same rays.
 bool same_rays(const Light& a, const Light& b);
 bool same(const Camera& a, const Camera& b);
 

@@ -187,12 +187,27 @@ struct IesWeb {
 
 /// What a delta light that stands for an area light sends where: the area light's far field. A
 /// sphere's is uniform; a rectangle's or disk's falls with the cosine to its axis and is one-sided;
-/// a cylinder's falls with the sine to its length, `side`.
-enum class Profile : std::uint8_t { Uniform, Facing, Round };
+/// a cylinder's falls with the sine to its length, `side`; a mesh's is that of its `facets`,
+/// each seen from its own place.
+enum class Profile : std::uint8_t { Uniform, Facing, Round, Facets };
+
+/// A part of a mesh that is a light, as a small disk: its area along its outward normal, and where
+/// it is from the light's position; world orientation.
+struct Facet {
+    V3f area, offset;
+};
+
+/// A lat-long picture around the scene, as OpenEXR's environment maps have it: the pole, y, at the
+/// top; z in the middle, x a quarter of the width to its left.
+struct Sky {
+    std::shared_ptr<const Texture> texture;  ///< never null
+    V3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< its axes in world space, orthonormal
+};
 
 /// A delta light. `energy` is irradiance at normal incidence for a distant light and the greatest
 /// radiant intensity for a point light, in scene-linear RGB. An environment light lights no
-/// surface: it is what rays see that meet nothing, `energy` being its radiance.
+/// surface: it is what rays see that meet nothing, `energy` being its radiance, times what `sky`
+/// shows there.
 enum class LightKind : std::uint8_t { Distant, Point, Environment };
 struct Light {
     LightKind kind = LightKind::Distant;
@@ -208,11 +223,17 @@ struct Light {
     float focus = 0;
     V3f focus_tint{0, 0, 0};
     std::shared_ptr<const IesWeb> ies;  ///< may be null
+    std::shared_ptr<const Sky> sky;     ///< Environment; may be null
+    std::vector<Facet> facets;          ///< of Profile::Facets
     V3f shadow_color{0, 0, 0};          ///< of shadows, as a share of the light
     /// What is farther from the lit point casts no shadow; negative: any distance.
     float shadow_distance = -1;
+    /// Where that is not negative: how far from it shadows begin to fade, and the exponent of that.
+    float shadow_falloff = 0, shadow_falloff_gamma = 1;
     /// Paths of the objects that it does not light, ascending.
     std::vector<std::string> unlit;
+    /// Paths of the objects that cast none of its shadows, ascending.
+    std::vector<std::string> shadowless;
     bool camera_visible =
         true;  ///< false: camera rays that meet nothing do not see it (Environment)
 };

@@ -499,16 +499,31 @@ void Scene::order_lights() {
         slot.position_render = light.position - render_origin_;
         slot.shaped = light.profile != Profile::Uniform || light.cone_angle < 180 ||
                       light.focus > 0 || light.ies;
-        for (const std::string& object : light.unlit) {
-            for (const bool array : {false, true}) {
-                const auto found = object_indices_.find({object, array});
-                if (found == object_indices_.end()) continue;
-                if (slot.unlit.size() <= found->second) slot.unlit.resize(found->second + 1);
-                slot.unlit[found->second] = true;
-            }
+        slot.unlit = named(light.unlit);
+        const bool fades = light.shadow_distance >= 0 && light.shadow_falloff > 0;
+        if (fades || !light.shadowless.empty()) {
+            trace::ShadowRule& rule = slot.shadow_rule.emplace();
+            rule.shadowless = named(light.shadowless);
+            rule.distance = static_cast<double>(light.shadow_distance);
+            if (fades)
+                rule.falloff = std::min(static_cast<double>(light.shadow_falloff), rule.distance);
+            rule.gamma = static_cast<double>(light.shadow_falloff_gamma);
         }
         lights_.push_back(std::move(slot));
     }
+}
+
+/// By index into all_objects(): those of `paths`. It ends with the last of them.
+std::vector<bool> Scene::named(const std::vector<std::string>& paths) const {
+    std::vector<bool> objects;
+    for (const std::string& path : paths)
+        for (const bool array : {false, true}) {
+            const auto found = object_indices_.find({path, array});
+            if (found == object_indices_.end()) continue;
+            if (objects.size() <= found->second) objects.resize(found->second + 1);
+            objects[found->second] = true;
+        }
+    return objects;
 }
 
 }  // namespace irt

@@ -18,6 +18,7 @@
 #include "irt/scene/surface.h"
 #include "irt/trace/box.h"
 #include "irt/trace/ray.h"
+#include "irt/trace/shadow_rule.h"
 
 namespace irt {
 
@@ -71,9 +72,14 @@ struct LightSlot {
     /// By index into all_objects(): those it does not light; may end before them.
     std::vector<bool> unlit;
     bool shaped = false;  ///< it does not send the same in all directions
+    std::optional<trace::ShadowRule> shadow_rule;
 
     [[nodiscard]] bool lights(std::uint32_t object) const {
         return object >= unlit.size() || !unlit[object];
+    }
+    /// How its shadows differ from those that all cast alike; null: they do not.
+    [[nodiscard]] const trace::ShadowRule* rule() const {
+        return shadow_rule ? &*shadow_rule : nullptr;
     }
 };
 
@@ -247,6 +253,7 @@ class Scene {
     void add_keys(std::vector<KeyRun>& runs, const InstanceArray& array, std::uint32_t index);
     void rank_objects();
     void order_lights();
+    [[nodiscard]] std::vector<bool> named(const std::vector<std::string>& paths) const;
 
     using SlotOf = std::map<std::string, std::uint32_t>;
     V3d render_origin_;

@@ -23,10 +23,10 @@ class Recorder {
         record_.nearest.push_back(ray);
         return intersector_.nearest(ray, counts);
     }
-    [[nodiscard]] trace::Occlusion occlusion(const trace::Ray& ray,
-                                             trace::QueryCounts& counts) const {
+    [[nodiscard]] trace::Occlusion occlusion(const trace::Ray& ray, trace::QueryCounts& counts,
+                                             const trace::ShadowRule* rule) const {
         record_.occlusion.push_back(ray);
-        return intersector_.occlusion(ray, counts);
+        return intersector_.occlusion(ray, counts, rule);
     }
 
   private:

@@ -125,7 +125,7 @@ std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,
         reflected_share(point.response(), point.shading, unit, -point.direction,
                         static_cast<double>(record.diffuse), static_cast<double>(record.specular));
     if (record.kind == LightKind::Point) response = divided(response, squared);
-    if (light.shaped) response *= emission(record, -unit);
+    if (light.shaped) response *= emission(record, -unit, squared);
     if (V3f(response) == V3f(0, 0, 0)) return std::nullopt;
     if (!record.casts_shadows) return LightSample{response, std::nullopt};
     return std::optional<LightSample>(std::in_place, response, ray_towards(point, light, unit));

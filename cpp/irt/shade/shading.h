@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "irt/scene/scene.h"
+#include "irt/scene/sky.h"
 #include "irt/shade/price.h"
 #include "irt/shade/response.h"
 #include "irt/shade/settings.h"
@@ -81,6 +82,14 @@ class Shading {
     /// `travelled`: lengths of the rays that led to this one, summed in their order.
     [[nodiscard]] VisiblePoint visible_point(const trace::Ray& ray, const trace::Hit& hit,
                                              double travelled) const;
+    /// What a ray that meets nothing sees of a light at unit energy.
+    [[nodiscard]] V3f seen_beyond(const LightSlot& light, const trace::Ray& ray) const {
+        const Light& record = light.record;
+        if (record.kind != LightKind::Environment || (ray.camera && !record.camera_visible))
+            return {0, 0, 0};
+        if (!record.sky) return {1, 1, 1};
+        return V3f(seen_in(*record.sky, V3d(ray.direction), cone_.spread));
+    }
     [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, std::uint32_t object) const;
     /// Empty where the light adds nothing whatever is in between.
     [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
@@ -119,12 +128,6 @@ class Shading {
 V3d transmittance(const trace::Occlusion& occlusion);
 /// The same, a light's shadow colour standing for what does not pass.
 V3d shadowed(const Light& light, const trace::Occlusion& occlusion);
-/// What a ray that meets nothing sees of a light of unit energy; `camera`: as in trace::Ray.
-inline V3f seen_beyond(const Light& light, bool camera) {
-    const bool seen = light.kind == LightKind::Environment && (light.camera_visible || !camera);
-    return seen ? V3f(1, 1, 1) : V3f(0, 0, 0);
-}
-
 /// sum + weight * term, rounded once to single precision: how a branch joins its node.
 inline V3f add_scaled(const V3f& sum, const V3f& weight, const V3f& term) {
     return V3f(V3d(sum) + V3d(weight) * V3d(term));

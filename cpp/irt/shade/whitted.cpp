@@ -49,7 +49,7 @@ V3f Whitted<Source>::trace(const trace::Ray& ray, int depth, std::int64_t cost, 
     const trace::Hit hit = source_.nearest(ray, scratch.counts.queries);
     if (!hit) {
         for (std::size_t l = 0; l < lights().size(); ++l)
-            columns[l] = seen_beyond(lights()[l].record, ray.camera);
+            columns[l] = shading_.seen_beyond(lights()[l], ray);
         return {0, 0, 0};
     }
 
@@ -100,8 +100,9 @@ void Whitted<Source>::shade_lights(const VisiblePoint& point, V3f* columns,
         V3d response = sample->response;
         if (sample->shadow_ray) {
             ++scratch.counts.shadow;
-            response *= shadowed(lights()[l].record,
-                                 source_.occlusion(*sample->shadow_ray, scratch.counts.queries));
+            response *= shadowed(
+                lights()[l].record,
+                source_.occlusion(*sample->shadow_ray, scratch.counts.queries, lights()[l].rule()));
         }
         columns[l] = V3f(response);
     }

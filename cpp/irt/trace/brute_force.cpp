@@ -29,9 +29,10 @@ Hit brute_force_nearest(const Scene& scene, const Ray& ray) {
     return best;
 }
 
-Occlusion brute_force_occlusion(const Scene& scene, const Ray& ray) {
+Occlusion brute_force_occlusion(const Scene& scene, const Ray& ray, const ShadowRule* rule) {
     Occlusion sum;
-    for_each_hit(scene, ray, [&](const Hit& hit) { return add_occluder(scene, ray, hit, sum); });
+    for_each_hit(scene, ray,
+                 [&](const Hit& hit) { return add_occluder(scene, ray, hit, sum, rule); });
     return sum;
 }
 

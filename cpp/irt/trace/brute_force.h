@@ -14,9 +14,10 @@ class BruteForce {
         ++counts.nearest;
         return brute_force_nearest(scene_, ray);
     }
-    [[nodiscard]] Occlusion occlusion(const Ray& ray, QueryCounts& counts) const {
+    [[nodiscard]] Occlusion occlusion(const Ray& ray, QueryCounts& counts,
+                                      const ShadowRule* rule) const {
         ++counts.occlusion;
-        return brute_force_occlusion(scene_, ray);
+        return brute_force_occlusion(scene_, ray, rule);
     }
 
   private:

@@ -9,6 +9,7 @@
 #include "irt/mutant.h"
 #include "irt/scene/scene.h"
 #include "irt/trace/ray.h"
+#include "irt/trace/shadow_rule.h"
 
 namespace irt::trace {
 
@@ -32,12 +33,15 @@ inline bool take_if_nearer(const Scene& scene, const Hit& candidate, Hit& best) 
                                       const Surface& surface, const Ray& ray, const Hit& hit);
 
 /// Adds one occluding primitive, met by `ray` (in render space) at `hit`; saturation keeps the sum
-/// free of order. True once nothing passes.
-inline bool add_occluder(const Scene& scene, const Ray& ray, const Hit& hit, Occlusion& sum) {
+/// free of order. True once nothing passes. `rule`: the light's, or null.
+inline bool add_occluder(const Scene& scene, const Ray& ray, const Hit& hit, Occlusion& sum,
+                         const ShadowRule* rule = nullptr) {
+    if (rule && !rule->casts(scene.object_index(hit.object))) return false;
     const Surface& surface = scene.surface(hit.object, hit.part);
     const MaterialSlot& material = scene.materials()[surface.material_of(hit.primitive)];
-    const OpticalDepth depth = material.tint_varies ? local_tint(scene, material, surface, ray, hit)
-                                                    : material.shadow_depth;
+    OpticalDepth depth = material.tint_varies ? local_tint(scene, material, surface, ray, hit)
+                                              : material.shadow_depth;
+    if (rule && rule->falloff > 0) depth = rule->faded(depth, hit.t * V3d(ray.direction).length());
     bool opaque = true, black = true;
     for (int c = 0; c < 3; ++c) {
         opaque = opaque && depth.rgb[c] >= depth_opaque;

@@ -27,7 +27,8 @@ struct Query {
         Hit* best;
         Occlusion* sum;
     };
-    const Ray* shadow_ray = nullptr;  ///< in render space, of a query with a sum
+    const Ray* shadow_ray = nullptr;   ///< in render space, of a query with a sum
+    const ShadowRule* rule = nullptr;  ///< likewise: the light's, or null
     Hit* behind = nullptr;  ///< where not null: the nearest hit on another object than best's
 
     /// Everything up to this has to be found.
@@ -118,7 +119,8 @@ void occlude_packet(const RTCOccludedFunctionNArguments* arguments) {
     Query& query = query_of(arguments->context);
     if (!(shape.rays & query.rays)) return;
     judge_leaf(shape, arguments->primID, query, [&](const Hit& hit) {
-        if (!add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum)) return false;
+        if (!add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum, query.rule))
+            return false;
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
         return true;
     });
@@ -149,7 +151,7 @@ void occlude_solid(const RTCOccludedFunctionNArguments* arguments) {
     if (!(shape.rays & query.rays)) return;
     Hit hit;
     if (judge_shape(shape, arguments->primID, query, hit) &&
-        add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum))
+        add_occluder(*query.scene, *query.shadow_ray, hit, *query.sum, query.rule))
         reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
@@ -191,6 +193,7 @@ void occlude_group(const Entered& instance, Query& outer, float& t_far) {
     if (!enter_instance(instance, outer, outer.ray->t_max, local, inner)) return;
     inner.sum = outer.sum;
     inner.shadow_ray = outer.shadow_ray;
+    inner.rule = outer.rule;
     if (search_any(instance.group->tree.get(), inner, outer.ray->t_max))
         t_far = -std::numeric_limits<float>::infinity();
 }
@@ -353,7 +356,8 @@ Box Intersector::box(const CompiledPrototype& prototype, const M44d& render_from
 
 double Intersector::pad() const { return impl_->trees.frame().pad(); }
 
-Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts) const {
+Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts,
+                                    const ShadowRule* rule) const {
     const Trees& trees = impl_->trees;
     ++counts.occlusion;
     const JudgeRay judged = judge_ray(ray);
@@ -369,18 +373,21 @@ Occlusion Intersector::occlusion_in(const Ray& ray, unsigned which, QueryCounts&
     query.counts = &counts;
     query.sum = &sum;
     query.shadow_ray = &ray;
+    query.rule = rule;
     if ((which & still_tree) && trees.still() && search_any(trees.still(), query, judged.t_max))
         return sum;
     if ((which & moving_tree) && trees.moving()) search_any(trees.moving(), query, judged.t_max);
     return sum;
 }
 
-Occlusion Intersector::occlusion(const Ray& ray, QueryCounts& counts) const {
-    return occlusion_in(ray, still_tree | moving_tree, counts);
+Occlusion Intersector::occlusion(const Ray& ray, QueryCounts& counts,
+                                 const ShadowRule* rule) const {
+    return occlusion_in(ray, still_tree | moving_tree, counts, rule);
 }
 
-Occlusion Intersector::occlusion_moving(const Ray& ray, QueryCounts& counts) const {
-    return occlusion_in(ray, moving_tree, counts);
+Occlusion Intersector::occlusion_moving(const Ray& ray, QueryCounts& counts,
+                                        const ShadowRule* rule) const {
+    return occlusion_in(ray, moving_tree, counts, rule);
 }
 
 }  // namespace irt::trace

@@ -12,6 +12,7 @@
 #include "irt/scene/scene.h"
 #include "irt/trace/box.h"
 #include "irt/trace/ray.h"
+#include "irt/trace/shadow_rule.h"
 
 namespace irt::trace {
 
@@ -67,8 +68,9 @@ class Intersector {
 
     /// The nearest hit with 0 < t < ray.t_max; ties go to the lower (rank, part, primitive).
     [[nodiscard]] Hit nearest(const Ray& ray, QueryCounts& counts) const;
-    /// What lies between 0 and ray.t_max.
-    [[nodiscard]] Occlusion occlusion(const Ray& ray, QueryCounts& counts) const;
+    /// What lies between 0 and ray.t_max, by the light's rule where it has one.
+    [[nodiscard]] Occlusion occlusion(const Ray& ray, QueryCounts& counts,
+                                      const ShadowRule* rule = nullptr) const;
 
     /// The nearest hit as above, and the nearest of those hits on objects outside the dynamic set
     /// that lie on another object than it: the paper's intersection history. `behind` is empty
@@ -77,7 +79,8 @@ class Intersector {
     /// The nearest of `limit` (may be empty) and the hits on the dynamic set.
     [[nodiscard]] Hit nearest_moving(const Ray& ray, const Hit& limit, QueryCounts& counts) const;
     /// What the dynamic set alone puts between 0 and ray.t_max.
-    [[nodiscard]] Occlusion occlusion_moving(const Ray& ray, QueryCounts& counts) const;
+    [[nodiscard]] Occlusion occlusion_moving(const Ray& ray, QueryCounts& counts,
+                                             const ShadowRule* rule) const;
 
     /// Whether an object is in the dynamic set: those that have changed since the last folding of
     /// that set into the still tree. `epoch` counts the foldings.
@@ -97,7 +100,8 @@ class Intersector {
     enum Which : unsigned { still_tree = 1, moving_tree = 2 };
     void search_nearest(const Ray& ray, unsigned which, Hit& best, Hit* behind,
                         QueryCounts& counts) const;
-    [[nodiscard]] Occlusion occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts) const;
+    [[nodiscard]] Occlusion occlusion_in(const Ray& ray, unsigned which, QueryCounts& counts,
+                                         const ShadowRule* rule) const;
 
     struct Impl;
     std::unique_ptr<Impl> impl_;
@@ -108,7 +112,8 @@ class Intersector {
 
 /// The brute-force twin: the same two answers by judging every primitive of the scene.
 [[nodiscard]] Hit brute_force_nearest(const Scene& scene, const Ray& ray);
-[[nodiscard]] Occlusion brute_force_occlusion(const Scene& scene, const Ray& ray);
+[[nodiscard]] Occlusion brute_force_occlusion(const Scene& scene, const Ray& ray,
+                                              const ShadowRule* rule = nullptr);
 
 /// Where and how a hit's surface lies, recomputed from the hit: render space, double.
 struct SurfacePoint {

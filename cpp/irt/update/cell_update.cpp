@@ -83,15 +83,15 @@ void CellUpdate::settle(history::SampleIndex first, const history::RayTrees::End
             std::any_of(light.paths.begin() + static_cast<std::ptrdiff_t>(end.points),
                         light.paths.end(), reached))
             return;
-    std::vector<V3f> beyond;
-    for (std::size_t c = 0; c <= lights_.size(); ++c) beyond.push_back(seen_beyond(c, true));
-    trees_.settle(first, end, beyond);
+    trees_.settle(first, end,
+                  [&](std::size_t column, NodeIndex node) { return seen_beyond(column, node); });
 }
 
 // ---- the walk (sections 2.5, 3.2)
 
 void CellUpdate::shade() {
     if (plan_.lights_moved || plan_.lights_reshaped) light_new_lights();
+    if (plan_.skies_differ) see_other_skies();
     if (without(Structure::cumulative_flags))
         for (NodeIndex n = 0; n < trees_.nodes.size(); ++n)
             if (trees_.paths[n] != no_path) mark(n, mark_walk);
@@ -109,6 +109,16 @@ void CellUpdate::light_new_lights() {
         for (std::size_t l = 0; l < lights_.size(); ++l)
             if (!plan_.kept_lights[l] || plan_.reshaped_lights[l]) respond(point, p, l);
         mark(node, mark_walk);
+    }
+}
+
+/// Has all nodes combined again that a branch which meets nothing joins; nothing is traced.
+void CellUpdate::see_other_skies() {
+    for (NodeIndex n = 0; n < trees_.nodes.size(); ++n) {
+        const Node& node = trees_.nodes[n];
+        if (trees_.paths[n] != no_path && node.point == no_point &&
+            !(node.parent & history::root_bit))
+            mark(node.parent, mark_walk);
     }
 }
 
@@ -189,7 +199,8 @@ void CellUpdate::trace_shadow(const trace::Ray& ray, PointIndex at, std::size_t 
     const history::Path path =
         table_.grid().path(ray.origin, ray.direction, static_cast<double>(ray.t_max));
     table_.fetch(path);
-    trees_.lights[light].occlusions[at] = intersector_.occlusion(ray, counts_.rays.queries);
+    trees_.lights[light].occlusions[at] =
+        intersector_.occlusion(ray, counts_.rays.queries, lights_[light].rule());
     trees_.set_shadow_path(light, at, table_.intern(path));
 }
 
@@ -283,15 +294,13 @@ void CellUpdate::combine_node(NodeIndex node) {
     KeptPoint& point = trees_.points[at];
     point.greatest_traced = -no_price;
     point.least_cut = point.own_cut;
-    const Node* branches[2];
-    bool camera[2];
+    NodeIndex branches[2];
     int count = 0;
     for (int which = 0; which < 2; ++which) {
         if (point.branches[which] == no_node) continue;
         const Node& branch = trees_.nodes[point.branches[which]];
         const std::int32_t price = point.prices[which];
-        camera[count] = trees_.ray(point.branches[which]).camera;
-        branches[count++] = &branch;
+        branches[count++] = point.branches[which];
         point.greatest_traced = std::max(point.greatest_traced, price);
         if (branch.point == no_point) continue;
         const KeptPoint& below = trees_.points[branch.point];
@@ -304,10 +313,10 @@ void CellUpdate::combine_node(NodeIndex node) {
         Column& column = trees_.columns[c];
         V3f sum = column[at].own;
         for (int b = 0; b < count; ++b) {
-            const V3f below = branches[b]->point == no_point
-                                  ? seen_beyond(c, camera[b])
-                                  : column[branches[b]->point].cumulative;
-            sum = shade::add_scaled(sum, branches[b]->weight, below);
+            const Node& branch = trees_.nodes[branches[b]];
+            const V3f below = branch.point == no_point ? seen_beyond(c, branches[b])
+                                                       : column[branch.point].cumulative;
+            sum = shade::add_scaled(sum, branch.weight, below);
         }
         column[at].cumulative = sum;
     }
@@ -343,9 +352,10 @@ void CellUpdate::count_query(NodeIndex node) {
         ++counts_.rays.refracted;
 }
 
-/// What a ray that meets nothing sees, of a column; `camera`: as in trace::Ray.
-V3f CellUpdate::seen_beyond(std::size_t column, bool camera) const {
-    return column == 0 ? V3f(0, 0, 0) : shade::seen_beyond(lights_[column - 1].record, camera);
+/// What the ray of a node that meets nothing sees, of a column.
+V3f CellUpdate::seen_beyond(std::size_t column, NodeIndex node) const {
+    if (column == 0) return {0, 0, 0};
+    return shading_.seen_beyond(lights_[column - 1], trees_.ray(node));
 }
 
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
@@ -353,7 +363,7 @@ V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const bool settled = (root & history::settled_bit) != 0;
     const std::uint32_t at = settled ? root & ~history::settled_bit : trees_.nodes[root].point;
     const auto cumulative = [&](std::size_t column) {
-        if (!settled && at == no_point) return V3d(seen_beyond(column, true));
+        if (!settled && at == no_point) return V3d(seen_beyond(column, root));
         return V3d(settled ? trees_.settled[column][at] : trees_.columns[column][at].cumulative);
     };
     V3d sum = trees_.emits ? cumulative(0) : V3d(0, 0, 0);

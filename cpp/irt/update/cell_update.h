@@ -82,7 +82,7 @@ class CellUpdate {
     [[nodiscard]] const UpdateCounts& counts() const { return counts_; }
 
   private:
-    [[nodiscard]] V3f seen_beyond(std::size_t column, bool camera) const;
+    [[nodiscard]] V3f seen_beyond(std::size_t column, history::NodeIndex node) const;
     using NodeIndex = history::NodeIndex;
     using PointIndex = history::PointIndex;
     using ShadePoint = shade::VisiblePoint;
@@ -94,6 +94,7 @@ class CellUpdate {
     [[nodiscard]] bool record_holds(PointIndex point) const;
     void replace_visible(NodeIndex node, const trace::Hit& hit, const history::HitBehind& behind);
     void light_new_lights();
+    void see_other_skies();
 
     void trace_new(NodeIndex node, const trace::Ray& ray, int depth, std::int64_t cost);
     void walk(NodeIndex node, int depth, std::int64_t cost);

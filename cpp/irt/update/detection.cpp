@@ -250,7 +250,7 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     trace::Occlusion now;
     if (arrives && known && !without(Structure::dynamic_set)) {
         ++counts_.rays.shadow;
-        now = intersector_.occlusion_moving(ray, queries);
+        now = intersector_.occlusion_moving(ray, queries, lights_[light].rule());
     }
     // What the dynamic set alone darkens is dark. Where it is clear, and what left let no light
     // through, so that it was not there, all is as before; and where all was clear, what stays is
@@ -263,7 +263,7 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     if (!settled) {
         ++counts_.rays.shadow;
         count_retraced(node);
-        now = intersector_.occlusion(ray, queries);
+        now = intersector_.occlusion(ray, queries, lights_[light].rule());
     }
     kept = now;
     if (now.depth == was.depth) return;

@@ -37,9 +37,14 @@ std::vector<std::uint32_t> showing(const Scene& scene,
     return slots;
 }
 
-/// Whether some part of `object` is not opaque. Of an object that was replaced: by the materials in
-/// force now; where one of those changed its tint the plan says so anyway.
+/// Whether some part of `object` is not opaque, or fades in a light's shadows. Of an object that
+/// was replaced: by the materials in force now; where one of those changed its tint the plan says
+/// so anyway.
 bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
+    if (std::any_of(scene.lights().begin(), scene.lights().end(), [](const LightSlot& light) {
+            return light.rule() && light.rule()->falloff > 0;
+        }))
+        return true;
     const std::vector<std::uint32_t> shown = materials_of(object);
     return std::any_of(shown.begin(), shown.end(), [&](std::uint32_t slot) {
         const MaterialSlot& material = scene.materials()[slot];
@@ -50,19 +55,61 @@ bool lets_light_through(const Scene& scene, const ObjectSlot& object) {
     });
 }
 
-/// Has the points of objects that a light lights now and did not, or the other way round, shaded
-/// again.
-void relink(const Scene& scene, const std::vector<bool>& before, const std::vector<bool>& now,
-            Plan& plan) {
-    if (before == now) return;
+/// Live slots of the objects that one of two sets has and the other has not.
+std::vector<std::uint32_t> differing(const Scene& scene, const std::vector<bool>& before,
+                                     const std::vector<bool>& now) {
+    std::vector<std::uint32_t> slots;
+    if (before == now) return slots;
     for (std::uint32_t slot = 0; slot < scene.slot_count(); ++slot) {
         const std::uint32_t object = scene.object_index(slot);
         const bool was = object < before.size() && before[object];
         const bool is = object < now.size() && now[object];
-        if (was == is || !scene.live(slot)) continue;
-        plan.rebound[slot] = true;
-        plan.material_mask = ~std::uint64_t{0};
+        if (was != is && scene.live(slot)) slots.push_back(slot);
     }
+    return slots;
+}
+
+std::vector<bool> shadowless(const LightSlot& light) {
+    return light.rule() ? light.rule()->shadowless : std::vector<bool>();
+}
+
+/// Slots of the objects that a light lights now and did not, or the other way round, and of those
+/// that cast its shadows now and did not, likewise.
+struct Relinked {
+    std::vector<std::uint32_t> lit, casting;
+};
+
+/// By light, its place before, if it casts the same rays as then; and what the others ask for.
+Relinked compare_lights(const Scene& scene, const std::vector<LightSlot>& old_lights, Plan& plan) {
+    Relinked relinked;
+    const auto add = [](std::vector<std::uint32_t>& to, const std::vector<std::uint32_t>& slots) {
+        to.insert(to.end(), slots.begin(), slots.end());
+    };
+    for (const LightSlot& light : scene.lights()) {
+        const auto before =
+            std::find_if(old_lights.begin(), old_lights.end(), [&](const LightSlot& old) {
+                return old.path == light.path && same_rays(old.record, light.record);
+            });
+        const bool kept = before != old_lights.end();
+        const bool sky = light.record.kind == LightKind::Environment;
+        plan.kept_lights.emplace_back();
+        plan.reshaped_lights.push_back(kept && !same_response(before->record, light.record));
+        plan.lights_reshaped = plan.lights_reshaped || plan.reshaped_lights.back();
+        if (const std::size_t place = plan.kept_lights.size() - 1;
+            mutated(Mutant::lights_by_place) && place < old_lights.size())
+            plan.kept_lights.back() = place;
+        else if (kept)
+            plan.kept_lights.back() = static_cast<std::size_t>(before - old_lights.begin());
+        else if (!sky)
+            plan.lights_moved = true;
+        if (sky)
+            plan.skies_differ =
+                plan.skies_differ || !kept || !same_sky(before->record, light.record);
+        if (!kept) continue;
+        add(relinked.lit, differing(scene, before->unlit, light.unlit));
+        add(relinked.casting, differing(scene, shadowless(*before), shadowless(light)));
+    }
+    return relinked;
 }
 
 }  // namespace
@@ -108,7 +155,10 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     plan.rebound.resize(scene.slot_count());
     plan.material_changed.resize(scene.materials().size());
     const double slack = intersector.pad();
-    plan.tint_departed = !applied.tints.empty() || !applied.retinted.empty();
+    plan.lights_differ = !applied.lights.empty();
+    const Relinked relinked = compare_lights(scene, old_lights, plan);
+    plan.tint_departed =
+        !applied.tints.empty() || !applied.retinted.empty() || !relinked.casting.empty();
     std::size_t former = applied.previous.size();
     for (const FormerEntries& array : applied.former) former += array.entries.size();
     Footprints footprints(grid, applied.geometry.size() + former);
@@ -132,6 +182,7 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
 
     std::vector<std::uint32_t> tinted = showing(scene, applied.tints);
     tinted.insert(tinted.end(), applied.retinted.begin(), applied.retinted.end());
+    tinted.insert(tinted.end(), relinked.casting.begin(), relinked.casting.end());
     for (const std::uint32_t slot : tinted) {
         plan.tint_changed[slot] = true;
         if (plan.geometry_changed[slot]) continue;
@@ -153,24 +204,9 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     if (mutated(Mutant::tint_departed_ignored)) plan.tint_departed = false;
     if (mutated(Mutant::still_tint_ignored)) plan.still_tint_changed = false;
 
-    plan.lights_differ = !applied.lights.empty();
-    for (const LightSlot& light : scene.lights()) {
-        const auto before =
-            std::find_if(old_lights.begin(), old_lights.end(), [&](const LightSlot& old) {
-                return old.path == light.path && same_rays(old.record, light.record);
-            });
-        plan.kept_lights.emplace_back();
-        if (const std::size_t place = plan.kept_lights.size() - 1;
-            mutated(Mutant::lights_by_place) && place < old_lights.size())
-            plan.kept_lights.back() = place;
-        else if (before != old_lights.end())
-            plan.kept_lights.back() = static_cast<std::size_t>(before - old_lights.begin());
-        else
-            plan.lights_moved = true;
-        const bool kept = plan.kept_lights.back() && before != old_lights.end();
-        plan.reshaped_lights.push_back(kept && !same_response(before->record, light.record));
-        plan.lights_reshaped = plan.lights_reshaped || plan.reshaped_lights.back();
-        if (kept) relink(scene, before->unlit, light.unlit, plan);
+    for (const std::uint32_t slot : relinked.lit) {
+        plan.rebound[slot] = true;
+        plan.material_mask = ~std::uint64_t{0};
     }
     return plan;
 }

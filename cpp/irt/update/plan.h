@@ -51,6 +51,7 @@ struct Plan {
     std::vector<bool> reshaped_lights;
     bool lights_reshaped = false;
     bool lights_moved = false;   ///< some light is new or moved, and with it all its shadow rays
+    bool skies_differ = false;   ///< rays that meet nothing see something else
     bool lights_differ = false;  ///< any change of any light, energy included
 };
 

@@ -277,6 +277,7 @@ def _only_energy(old: State | None, new: State | None) -> bool:
         and same_bits(old.aim, new.aim)
         and old.casts_shadows == new.casts_shadows
         and old.modifiers == new.modifiers
+        and old.sky == new.sky
         and any(old.energy)
     )
 

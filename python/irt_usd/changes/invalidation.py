@@ -76,9 +76,14 @@ def _of_light(old: State | None, new: State | None, attribute: str, same_aim: bo
         return "light energy only (no rays)"
     if not _shines(old) and _shines(new):
         return "shadow rays"
-    if same_aim or attribute in ENERGY_ATTRIBUTES:
+    turned = _is_dome(old) and _is_dome(new) and attribute == "world_from_object"
+    if same_aim or turned or attribute in ENERGY_ATTRIBUTES:
         return "light energy only (no rays)"
     return "shadow rays"
+
+
+def _is_dome(light: State | None) -> bool:
+    return isinstance(light, LightState) and light.kind == "dome"
 
 
 def _shines(light: State | None) -> bool:

@@ -13,11 +13,11 @@ from pxr import Ar, Usd, UsdShade
 
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
-from irt_usd.images.color import ColorSpaces, Conversion
+from irt_usd.images.color import LINEAR_REC709, ColorSpaces, Conversion
 from irt_usd.images.decode import DecodeError, ImageHeader, decode, read_header
 from irt_usd.images.texture_memory import Pyramid, levels_to_drop
 from irt_usd.report import Report
-from irt_usd.stage.graph import TextureReference, Wrap, WrapMode
+from irt_usd.stage.graph import AUTO, AUTO_COLOR, TextureReference, Wrap, WrapMode
 from irt_usd.stage.missing import missing_text, report_missing
 
 _FIRST_TILE, _LAST_TILE = 1001, 1100
@@ -54,6 +54,8 @@ class TextureLibrary:
         self._images: dict[TextureReference, _Image | None] = {}
         self._textures: dict[TextureReference, Any] = {}
         self._kept: frozenset[TextureReference] = frozenset()
+        self._means: dict[TextureReference, tuple[float, float, float]] = {}
+        self._cells: dict[TextureReference, Any] = {}
         self._dropped: Mapping[TextureReference, int] = {}
         self._places: dict[TextureReference, str] = {}
         self._policy: MissingAsset = "fail"
@@ -109,6 +111,7 @@ class TextureLibrary:
         for reference, texture in list(self._textures.items()):
             if texture is not None and reference not in before | self._kept:
                 del self._textures[reference]
+                self._cells.pop(reference, None)
 
     @property
     def decoded(self) -> frozenset[TextureReference]:
@@ -123,6 +126,26 @@ class TextureLibrary:
         found: Any = (image.header.wrap if image is not None else None) or ("black", "black")
         s, t = (f if w == "useMetadata" else w for w, f in zip(wrap, found, strict=True))
         return s, t
+
+    def picture(self, reference: TextureReference) -> Any:
+        """The core's texture of a light; None: the light is rendered without it."""
+        return self.texture(reference)
+
+    def mean(self, reference: TextureReference) -> tuple[float, float, float]:
+        """The mean colour of a texture that can be had."""
+        from irt_usd import _core
+
+        if reference not in self._means:
+            self._means[reference] = _core.texture_mean(self.texture(reference))
+        return self._means[reference]
+
+    def sky_cells(self, reference: TextureReference) -> Any:
+        """The core's _core.SkyCells of a texture that can be had."""
+        from irt_usd import _core
+
+        if reference not in self._cells:
+            self._cells[reference] = _core.SkyCells(self.texture(reference))
+        return self._cells[reference]
 
     @property
     def files(self) -> list[str]:
@@ -162,8 +185,8 @@ class TextureLibrary:
         self, reference: TextureReference, header: ImageHeader, place: str
     ) -> Conversion:
         name = reference.color_space
-        if name == "auto":
-            name = "sRGB" if header.is_srgb else "raw"
+        if name in (AUTO, AUTO_COLOR):
+            name = "sRGB" if header.is_srgb else ("raw" if name == AUTO else LINEAR_REC709)
         found = self._spaces.conversion(name)
         if found is None:
             self._report.skipped(f"the colour space {name} is not known; raw is rendered", place)

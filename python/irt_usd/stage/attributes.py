@@ -28,11 +28,17 @@ class Attributes:
     """Values by attribute name; unauthored ones have their schema's fallback, else None.
 
     A value of another type than its schema's is reported, and the fallback takes its place.
-    `in_clips`: whether value clips may give values to what is declared nowhere else.
+    `in_clips`: whether value clips may give values to what is declared nowhere else. `schema`: the
+    prim type whose fallbacks hold; None: the prim's own.
     """
 
     def __init__(
-        self, prim: Usd.Prim, names: Iterable[str], report: Report, in_clips: bool = False
+        self,
+        prim: Usd.Prim,
+        names: Iterable[str],
+        report: Report,
+        in_clips: bool = False,
+        schema: str | None = None,
     ) -> None:
         self.prim = prim
         self._report = report
@@ -41,10 +47,10 @@ class Attributes:
         self._interrupted = False
         """Whether the last update failed midway: what it had read by then counts as changed."""
         authored = authored_properties(prim, in_clips)
-        type_name = str(prim.GetTypeName())
+        self._schema = schema or str(prim.GetTypeName())
         for name in names:
             if name not in authored:
-                self.values[name] = _fallback(type_name, name)
+                self.values[name] = _fallback(self._schema, name)
                 continue
             query = Usd.AttributeQuery(prim, name)
             if query.ValueMightBeTimeVarying():
@@ -72,7 +78,7 @@ class Attributes:
 
     def _get(self, name: str, query: Usd.AttributeQuery, time: Usd.TimeCode) -> Value:
         authored = plain(query.Get(time))
-        fallback = _fallback(str(self.prim.GetTypeName()), name)
+        fallback = _fallback(self._schema, name)
         if authored is None:
             # USD gives nothing for a blocked time sample; elsewhere a block means the fallback.
             return fallback

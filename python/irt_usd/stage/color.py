@@ -49,6 +49,10 @@ class StageColors:
         """Of colours that say nothing: linear Rec.709's; None where that is rendered in."""
         return _unless_identity(self.spaces.conversion(LINEAR_REC709))
 
+    def space_of(self, attribute: Usd.Attribute) -> str:
+        """The space that `attribute`, its prim or an ancestor names; empty if none does."""
+        return color_space_of(attribute, self._cache)
+
     def to_rendering(self, attribute: Usd.Attribute | None) -> Conversion | None:
         """For the colour that `attribute` holds; None: it is there already.
 
@@ -56,7 +60,7 @@ class StageColors:
         """
         if attribute is None:
             return None
-        name = color_space_of(attribute, self._cache)
+        name = self.space_of(attribute)
         if not name:
             return self.default
         found = self.spaces.conversion(name)

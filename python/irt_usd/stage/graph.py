@@ -8,6 +8,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+import numpy as np
+
 from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
@@ -56,14 +58,18 @@ _CORE_NAMES = {
 }
 
 
+AUTO, AUTO_COLOR = "auto", "auto color"
+"""Colour spaces that the file decides: sRGB, or else raw, or of colours linear Rec.709."""
+
+
 @dataclass(frozen=True, slots=True)
 class TextureReference:
     """An image file, and what its numbers mean."""
 
     file: str
     """Where the asset resolver finds it; with `udim`, it has <UDIM> in it."""
-    color_space: str = "auto"
-    """ "raw", "sRGB" or "auto" as UsdUVTexture has them, else the name of a colour space."""
+    color_space: str = AUTO
+    """ "raw", "sRGB" or AUTO as UsdUVTexture has them, AUTO_COLOR, or a colour space's name."""
     udim: bool = False
 
 
@@ -131,11 +137,44 @@ class TextureSource(Protocol):
         """`wrap` with what the file says in the place of useMetadata."""
 
     def keep(self, references: Collection[TextureReference]) -> None:
-        """Told with each frame that differs what its materials show."""
+        """Told with each frame that differs what its materials and domes show."""
+
+    def picture(self, reference: TextureReference) -> "_core.Texture | None":
+        """A light's texture; None: the light is rendered without it."""
+
+    def mean(self, reference: TextureReference) -> tuple[float, float, float]:
+        """The mean colour of a light's texture that there is."""
+
+    def sky_cells(self, reference: TextureReference) -> "_core.SkyCells":
+        """A dome's texture that there is, summed up."""
 
 
 class NoTextures:
-    """A source for what only asks which materials change: their fallbacks stand for all texels."""
+    """A source for what only asks what changes.
+
+    The fallbacks of materials stand for all texels; a single texel, another for each, for pictures
+    of lights.
+    """
+
+    def __init__(self) -> None:
+        self._numbers: dict[TextureReference, int] = {}
+
+    def picture(self, reference: TextureReference) -> "_core.Texture":
+        """One texel."""
+        from irt_usd import _core
+
+        number = self._numbers.setdefault(reference, len(self._numbers) + 1)
+        return _core.Texture([(0, 0, np.full((1, 1, 1), number, np.float32))])
+
+    def mean(self, _reference: TextureReference) -> tuple[float, float, float]:
+        """White: energies change anyhow."""
+        return 1.0, 1.0, 1.0
+
+    def sky_cells(self, reference: TextureReference) -> "_core.SkyCells":
+        """Those of the one texel."""
+        from irt_usd import _core
+
+        return _core.SkyCells(self.picture(reference))
 
     def load(self, references: Collection[TextureReference]) -> None:
         """Nothing."""

@@ -1,31 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
 """Photometric webs of IES files (ANSI/IES LM-63-1986 to 2002, type C)."""
 
+from collections.abc import Mapping
+from errno import ENOENT
 from functools import lru_cache
 from itertools import pairwise
-from math import cos, pi, radians
+from math import cos, isfinite, pi, radians
 from pathlib import Path
 
+import numpy as np
+from pxr import Ar, Usd
+
+from irt_usd.choices import MissingAsset
+from irt_usd.errors import InputError
+from irt_usd.report import Report
 from irt_usd.stage import assets_read
+from irt_usd.stage.missing import missing_text, report_missing
 
 Web = tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
 """Vertical and horizontal angles (degrees, ascending), candelas by horizontal, then vertical."""
 
 
 class IesError(ValueError):
-    """The file cannot be read or is no photometric web that is rendered."""
+    """The file cannot be read (`missing`: is not there) or is no web that is rendered."""
+
+    def __init__(self, message: str, missing: bool = False) -> None:
+        super().__init__(message)
+        self.missing = missing
 
 
-def read_ies(path: str, normalize: bool) -> Web:
-    """The web of a file; `normalize`: divided by its mean over the sphere. Raises IesError."""
+def read_ies(path: str, normalize: bool = False, angle_scale: float = 0.0) -> Web:
+    """The web of a file, its vertical angles scaled. Raises IesError.
+
+    `angle_scale` (UsdLux's): 0 none, above 0 by it from 0 degrees, below 0 by its size from 180.
+    `normalize`: divided by its mean over the sphere, unless that is dark.
+    """
     assets_read.note(path)
-    return _read_ies(path, normalize)
+    return _read_ies(path, normalize, angle_scale)
 
 
 @lru_cache(maxsize=64)
-def _read_ies(path: str, normalize: bool) -> Web:
+def _read_ies(path: str, normalize: bool, angle_scale: float) -> Web:
     try:
-        text = Path(path).read_text(encoding="latin-1")
+        text = _text(path)
+    except FileNotFoundError as error:
+        raise IesError(f"{path}: {error.strerror}", missing=True) from error
     except OSError as error:
         raise IesError(f"{path}: {error.strerror}") from error
     tilt = text.find("TILT=")
@@ -60,12 +79,80 @@ def _read_ies(path: str, normalize: bool) -> Web:
     scale = multiplier * ballast
     candelas = table[rows + columns : rows + columns + rows * columns]
     values = tuple(value * scale for value in candelas)
+    if not all(map(isfinite, (*vertical, *horizontal, *values))):
+        raise IesError(f"{path}: holds a NaN or an infinity; expected finite numbers")
+    vertical, values = _scaled(vertical, values, columns, angle_scale)
     if normalize:
         mean = _mean(vertical, values, columns)
-        if mean <= 0:
-            raise IesError(f"{path}: gives no light, and cannot be normalized")
-        values = tuple(value / mean for value in values)
+        if mean > 0:
+            values = tuple(value / mean for value in values)
     return vertical, horizontal, values
+
+
+def check_profiles(
+    profiles: Mapping[str, str], stage: Usd.Stage, policy: MissingAsset, report: Report, source: str
+) -> None:
+    """Deals with the IES files that cannot be had, of all by path the attribute that names each.
+
+    Raises InputError, on the stage's file `source`, if `policy` is to fail; else they are reported,
+    and their lights rendered without them.
+    """
+    missing: list[str] = []
+    unusable: list[str] = []
+    for path, place in sorted(profiles.items()):
+        try:
+            read_ies(path)
+        except IesError as error:
+            if error.missing:
+                missing.append(missing_text(stage, place, path))
+            else:
+                unusable.append(f"{place}: {error}")
+    report_missing("IES files", missing, policy, report, source)
+    if unusable and policy == "fail":
+        advice = "mend them, or render without them by --missing-asset fallback"
+        raise InputError("\n  ".join([f"{source}: unusable IES files; {advice}:", *unusable]))
+    for text in unusable:
+        report.skipped("unusable IES files, rendered without", text)
+
+
+def _text(path: str) -> str:
+    """Of a file, or of one within a package."""
+    if not Ar.IsPackageRelativePath(path):
+        return Path(path).read_text(encoding="latin-1")
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+    if not asset:
+        raise FileNotFoundError(ENOENT, "No such file in the package", path)
+    with asset:
+        return str(bytes(asset.GetBuffer()).decode("latin-1"))
+
+
+def _scaled(
+    vertical: tuple[float, ...], values: tuple[float, ...], columns: int, scale: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The web over other vertical angles, cut off at 0 and 180 degrees.
+
+    Where scaling asks for what lies beyond those, their own value goes on.
+    """
+    if scale == 0:
+        return vertical, values
+    rows = len(vertical)
+    planes = [values[c * rows : (c + 1) * rows] for c in range(columns)]
+    if scale > 0:
+        angles = [v * scale for v in vertical]
+        goes_on = angles[-1] < 180 and vertical[-1] == 180
+        angles += [180.0] * goes_on
+        planes = [(*p, *p[-1:] * goes_on) for p in planes]
+    else:
+        angles = [180 + (v - 180) * -scale for v in vertical]
+        goes_on = angles[0] > 0 and vertical[0] == 0
+        angles = [0.0] * goes_on + angles
+        planes = [(*p[:1] * goes_on, *p) for p in planes]
+    low, high = max(angles[0], 0.0), min(angles[-1], 180.0)
+    if low > high:  # all of it lies beyond
+        return (0.0,), (0.0,) * columns
+    kept = sorted({low, high, *(angle for angle in angles if low < angle < high)})
+    cut = [float(v) for plane in planes for v in np.interp(kept, angles, plane)]
+    return tuple(kept), tuple(cut)
 
 
 def _mean(vertical: tuple[float, ...], values: tuple[float, ...], columns: int) -> float:

@@ -71,6 +71,11 @@ class MaterialSet:
         source = self.bound(material) or self._display_color(node, given)
         return (source.path, source.primvars) if source else (DEFAULT_MATERIAL, frozenset())
 
+    def add(self, source: MaterialLike) -> str:
+        """Takes up a material that is no prim's; returns its name."""
+        self._sources[source.path] = source
+        return source.path
+
     def references(self) -> dict[TextureReference, str]:
         """The images of all materials at all times, and the attribute that names each."""
         found: dict[TextureReference, str] = {}
@@ -80,13 +85,17 @@ class MaterialSet:
                     found.setdefault(reference, place)
         return found
 
+    @property
+    def shown(self) -> frozenset[TextureReference]:
+        """The images that the materials show, as they were last read."""
+        return frozenset().union(*self._shown.values())
+
     def read(self, time: Usd.TimeCode) -> dict[str, MaterialState]:
         """Those that may have changed since the last call; at the first, all."""
         sources = [s for s in self._sources.values() if s and (self._first or s.varies)]
         materials = {source.path: self._read(source, time) for source in sources}
         if materials:
             self._shown |= {path: state.surface.textures for path, state in materials.items()}
-            self._textures.keep(frozenset().union(*self._shown.values()))
         if self._first:
             materials[DEFAULT_MATERIAL] = default_material()
             self._first = False

@@ -20,12 +20,14 @@ from irt_usd.stage.curves import CurvesSource
 from irt_usd.stage.diagnostics import attempt, usd_diagnostics, usd_errors
 from irt_usd.stage.display_color import DISPLAY_PRIMVARS, given_by_instancers
 from irt_usd.stage.graph import TextureSource
+from irt_usd.stage.ies import check_profiles
 from irt_usd.stage.instances import InstancerSource, PrototypeSource
 from irt_usd.stage.lights import CAMERA_LIGHT, DOME_SAMPLES, LightSource, camera_light
 from irt_usd.stage.lights import KINDS as LIGHT_KINDS
 from irt_usd.stage.material_set import MaterialSet
 from irt_usd.stage.materials import bound_materials
 from irt_usd.stage.mesh import MeshSource
+from irt_usd.stage.mesh_lights import MeshLightSource
 from irt_usd.stage.objects import ObjectSource, ShapeSource
 from irt_usd.stage.passes import read_pass
 from irt_usd.stage.points import PointsSource
@@ -41,7 +43,7 @@ from irt_usd.stage.snapshot import (
     Vector,
 )
 from irt_usd.stage.subsets import material_subsets
-from irt_usd.stage.survey import stage_prims, survey, survey_prototype
+from irt_usd.stage.survey import Survey, stage_prims, survey, survey_prototype
 from irt_usd.stage.transforms import Node
 from irt_usd.stage.views import View, ViewOptions, plan_views
 
@@ -147,28 +149,20 @@ class ShotReader:
         self._colors = colors = StageColors(self._stage, self._report, settings.path)
         self.colors = colors.spaces
         """What leads to the rendering space."""
-        lights = [
-            attempt(
-                partial(LightSource, n.prim, n, self._report, colors, options.dome_samples),
-                n.prim,
-                self._report,
-            )
-            for n in found.lights
-            if not self.render_pass.hides(n.path)
-        ]
-        self._lights = [light for light in lights if light is not None]
-        for light in self._lights:
-            light.camera_visible, _ = self.render_pass.role(light.node.path)
-        self._is_lit = bool(found.lights)
-        self.camera_light = options.camera_light and not (found.lights or self._pruned_lights())
+        files = TextureLibrary(colors.spaces, self._report, options.texture_memory)
+        self.textures = options.textures or files
+        """The texels of all materials and lights."""
+        self._lights = self._read_lights(found, colors, options)
+        self._mesh_lights = {
+            light.node.path: light for light in self._lights if isinstance(light, MeshLightSource)
+        }
+        self._is_lit = bool(found.lights or found.mesh_lights)
+        self.camera_light = options.camera_light and not (self._is_lit or self._pruned_lights())
         """Whether a light at the camera stands in: the stage has no light of a kind rendered."""
         if self.camera_light:
             self._report.mentioned("no lights that irt renders: a light at the camera instead")
-        elif not found.lights:
+        elif not self._is_lit:
             self._report.mentioned("no lights that irt renders, and none at the camera")
-        files = TextureLibrary(colors.spaces, self._report, options.texture_memory)
-        self.textures = options.textures or files
-        """The texels of all materials."""
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._level = options.level
         self._skins = Skins(self._hierarchy, self._report)
@@ -182,8 +176,11 @@ class ShotReader:
         ]
         if options.textures is None:
             self._find_textures(files)
-        self.texture_files = files.files
-        """What textures are read from, unless another source was given."""
+        self._lights = [
+            light
+            for light in self._lights
+            if not isinstance(light, MeshLightSource) or light.mesh is not None
+        ]
         for light in self._lights:
             light.link(source.node.path for source in self._objects)
         self._snapshot: Snapshot | None = None
@@ -196,6 +193,30 @@ class ShotReader:
         return bool(self.render_pass.path) and any(
             str(prim.GetTypeName()) in LIGHT_KINDS for prim in stage_prims(self._stage)
         )
+
+    def _read_lights(
+        self, found: Survey, colors: StageColors, options: ReadOptions
+    ) -> list[LightSource]:
+        lights: list[LightSource] = []
+        report, textures, samples = self._report, self.textures, options.dome_samples
+        for node in (*found.lights, *found.mesh_lights):
+            if self.render_pass.hides(node.path):
+                continue
+            light: LightSource | None
+            if node.prim.GetTypeName() == "Mesh":
+                light = attempt(
+                    partial(MeshLightSource, node, report, colors, textures), node.prim, report
+                )
+            else:
+                light = attempt(
+                    partial(LightSource, node.prim, node, report, colors, textures, samples),
+                    node.prim,
+                    report,
+                )
+            if light is not None:
+                light.camera_visible, _ = self.render_pass.role(node.path)
+                lights.append(light)
+        return lights
 
     def _plan_views(self, settings: Settings, options: ReadOptions, first: float) -> Sequence[View]:
         overriding = ViewOptions(
@@ -237,6 +258,9 @@ class ShotReader:
         if self.camera_light and (old is None or old.camera is not camera):
             changed_lights[CAMERA_LIGHT] = camera_light(camera)
         lights = _updated(old.lights if old else {}, changed_lights)
+        if materials or changed_lights:
+            skies = {light.sky.reference for light in lights.values() if light.sky is not None}
+            self.textures.keep(self._materials.shown | skies)
         if self._is_lit and not any(any(light.energy) for light in lights.values()):
             self._report.mentioned(
                 "no light gives light: none is visible, or all have an energy of zero",
@@ -273,9 +297,16 @@ class ShotReader:
             if material and self.render_pass.prunes(str(material.GetPath())):
                 material = None
             name, read, shape = self._shape(node, material, skin, divided, given or frozenset())
+            light = self._mesh_lights.get(node.path)
+            glow = light.wear(self._materials.bound(material)) if light is not None else None
+            if glow is not None:
+                name = self._materials.add(glow)
             if shape is not None:
                 role = self.render_pass.role(node.path, is_part)
-                sources.append(ObjectSource(node, shape, name, self._report, skin, role, read))
+                source = ObjectSource(node, shape, name, self._report, skin, role, read)
+                sources.append(source)
+                if light is not None:
+                    light.mesh = source
         return sources
 
     def _shape(
@@ -404,7 +435,12 @@ class ShotReader:
     def _find_textures(self, files: TextureLibrary) -> None:
         """Looks at the files of all textures. Raises InputError where they are required."""
         references = self._materials.references()
+        profiles: dict[str, str] = {}
+        for light in self._lights:
+            references = {**light.textures(), **references}
+            profiles |= light.profiles()
         files.survey(references, self._stage, self._missing_asset, self._file)
+        check_profiles(profiles, self._stage, self._missing_asset, self._report, self._file)
 
     def _read_camera(self, view: int, time: Usd.TimeCode) -> CameraState:
         with usd_errors(f"{self._file}: the camera {self.views[view].camera}"):

@@ -18,6 +18,7 @@ from irt_usd.stage.values import Value
 
 if TYPE_CHECKING:
     from irt_usd import _core
+    from irt_usd.stage.dome import Sky
 
 Vector = tuple[float, float, float]
 Geometry = Union[
@@ -164,6 +165,10 @@ class LightState:
     """That a dome lights from."""
     camera_visible: bool = True
     """Whether the camera sees a dome in the render pass."""
+    up: Vector = (0.0, 1.0, 0.0)
+    """The axis of a dome's directions."""
+    sky: "Sky | None" = None
+    """A dome's picture."""
 
     def core(self) -> dict[str, "_core.Light"]:
         """The core's records, by name: of a dome the sky, and the lights that stand for it."""
@@ -176,14 +181,19 @@ class LightState:
         if self.kind == "distant":
             light = _core.Light.distant(self.aim, self.energy, self.casts_shadows, modifiers=shaped)
             return {self.path: light}
-        from irt_usd.stage.lights import dome_directions
-
-        share = 4 * pi / self.directions
-        energy = [channel * share for channel in self.energy]
-        lights = {self.path: _core.Light.environment(self.energy, self.camera_visible)}
-        for name, direction in zip(self.names()[1:], dome_directions(self.directions), strict=True):
+        directions = _core.sky_directions(self.directions, self.up)
+        seen = self.camera_visible
+        if self.sky is None:
+            shares = [(4 * pi / self.directions,) * 3] * self.directions
+            sky = _core.Light.environment(self.energy, seen)
+        else:
+            shares = self.sky.irradiances(directions)
+            sky = _core.Light.environment(self.energy, seen, self.sky.texture, self.sky.axes)
+        lights = {self.path: sky}
+        for name, direction, share in zip(self.names()[1:], directions, shares, strict=True):
+            red, green, blue = (e * s for e, s in zip(self.energy, share, strict=True))
             lights[name] = _core.Light.distant(
-                direction, energy, self.casts_shadows, modifiers=shaped
+                direction, (red, green, blue), self.casts_shadows, modifiers=shaped
             )
         return lights
 

@@ -36,6 +36,8 @@ class Survey:
     subsets: set[str] = field(default_factory=set)
     """Paths of prims that have GeomSubsets."""
     instancers: list[Node] = field(default_factory=list)
+    mesh_lights: list[Node] = field(default_factory=list)
+    """Of `objects` the meshes that are lights."""
 
 
 _Predicate = Callable[[str], bool]
@@ -86,7 +88,7 @@ def survey_prototype(
         report,
         root.GetPath().pathElementCount - 1,
     )
-    for light in found.lights:
+    for light in (*found.lights, *found.mesh_lights):
         report.unsupported("lights in prototypes", light.path)
     return found
 
@@ -131,8 +133,10 @@ def _sort(node: Node, kind: str, found: Survey, report: Report) -> None:
     if kind in quadrics.LENGTHS or kind in POINT_BASED:
         found.objects.append(node)
         found.hierarchy.require(node)
-        if prim.HasAPI(UsdLux.LightAPI):
-            report.unsupported("lights made of geometry (rendered as geometry)", node.path)
+        if kind == "Mesh" and prim.HasAPI(UsdLux.LightAPI):
+            found.mesh_lights.append(node)
+        elif prim.HasAPI(UsdLux.LightAPI):
+            report.unsupported(f"lights made of {kind} (rendered as geometry)", node.path)
     elif kind in lights.KINDS:
         found.lights.append(node)
         found.hierarchy.require(node)
