@@ -122,9 +122,9 @@ def test_lights_share_all_of_a_pictures_irradiance(seed: int) -> None:
         np.testing.assert_allclose(shares[i], radiance[nearest == i].sum(axis=0), rtol=1e-5)
 
 
-@pytest.mark.parametrize(("count", "close"), [(32, 0.035), (128, 0.01), (512, 0.003)])
+@pytest.mark.parametrize(("count", "close"), [(32, 0.05), (128, 0.01), (512, 0.003)])
 def test_irradiance_of_a_gradient_sky(count: int, close: float) -> None:
-    """Against the integral, on a floor, a ceiling and between; closer with more directions."""
+    """Against the integral, as a share of the brightest channel; closer with more directions."""
     up = directions_of_texels()[..., 1:2]
     texels = np.where(up > 0, (0.4, 0.6, 1.0), (0.2, 0.15, 0.1)) * (0.5 + 0.5 * np.abs(up))
     ways = np.array(_core.sky_directions(count, (0, 1, 0)))

@@ -118,7 +118,7 @@ void CellUpdate::see_other_skies() {
         const Node& node = trees_.nodes[n];
         if (trees_.paths[n] != no_path && node.point == no_point &&
             !(node.parent & history::root_bit))
-            mark(node.parent, mark_walk);
+            mark(trees_.parent(n), mark_walk);
     }
 }
 
@@ -354,7 +354,7 @@ void CellUpdate::count_query(NodeIndex node) {
 
 /// What the ray of a node that meets nothing sees, of a column.
 V3f CellUpdate::seen_beyond(std::size_t column, NodeIndex node) const {
-    if (column == 0) return {0, 0, 0};
+    if (column == 0 || lights_[column - 1].record.kind != LightKind::Environment) return {0, 0, 0};
     return shading_.seen_beyond(lights_[column - 1], trees_.ray(node));
 }
 
