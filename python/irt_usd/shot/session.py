@@ -63,9 +63,9 @@ class Shot:
 
     @property
     def read_files(self) -> list[Path]:
-        """The files that the shot is read from: layers and textures."""
+        """The files that the shot is read from: layers, textures and profiles."""
         layers = [layer.realPath for layer in self.stage.GetUsedLayers() if layer.realPath]
-        return [Path(file) for file in (*layers, *self.reader.texture_files)]
+        return [Path(file) for file in (*layers, *self.reader.files)]
 
     def reread(self) -> ShotReader:
         """Another reader of the same frames, which reports to nobody and decodes no textures."""

@@ -149,8 +149,9 @@ class ShotReader:
         self._colors = colors = StageColors(self._stage, self._report, settings.path)
         self.colors = colors.spaces
         """What leads to the rendering space."""
-        files = TextureLibrary(colors.spaces, self._report, options.texture_memory)
-        self.textures = options.textures or files
+        self._library = TextureLibrary(colors.spaces, self._report, options.texture_memory)
+        self._profiles: dict[str, str] = {}
+        self.textures = options.textures or self._library
         """The texels of all materials and lights."""
         self._lights = self._read_lights(found, colors, options)
         self._mesh_lights = {
@@ -175,7 +176,7 @@ class ShotReader:
             *self._instancers(found.instancers),
         ]
         if options.textures is None:
-            self._find_textures(files)
+            self._find_files()
         self._lights = [
             light
             for light in self._lights
@@ -193,6 +194,11 @@ class ShotReader:
         return bool(self.render_pass.path) and any(
             str(prim.GetTypeName()) in LIGHT_KINDS for prim in stage_prims(self._stage)
         )
+
+    @property
+    def files(self) -> list[str]:
+        """What textures and IES profiles are read from."""
+        return [*self._library.files, *self._profiles]
 
     def _read_lights(
         self, found: Survey, colors: StageColors, options: ReadOptions
@@ -432,15 +438,15 @@ class ShotReader:
         self._prototypes[path] = source
         return source
 
-    def _find_textures(self, files: TextureLibrary) -> None:
-        """Looks at the files of all textures. Raises InputError where they are required."""
+    def _find_files(self) -> None:
+        """Looks at all textures and profiles. Raises InputError where they are required."""
         references = self._materials.references()
-        profiles: dict[str, str] = {}
         for light in self._lights:
             references = {**light.textures(), **references}
-            profiles |= light.profiles()
-        files.survey(references, self._stage, self._missing_asset, self._file)
-        check_profiles(profiles, self._stage, self._missing_asset, self._report, self._file)
+            self._profiles |= light.profiles()
+        policy, report, file = self._missing_asset, self._report, self._file
+        self._library.survey(references, self._stage, policy, file)
+        check_profiles(self._profiles, self._stage, policy, report, file)
 
     def _read_camera(self, view: int, time: Usd.TimeCode) -> CameraState:
         with usd_errors(f"{self._file}: the camera {self.views[view].camera}"):
