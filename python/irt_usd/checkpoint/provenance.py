@@ -137,6 +137,9 @@ class SceneDigest:
             for reference in sorted(state.surface.textures, key=lambda r: (r.file, r.color_space)):
                 text += f"{reference.color_space}\0{self._contents(reference.file)}\0"
         if isinstance(state, LightState):
+            shaped = sorted(state.modifiers.items())
+            text += repr((state.energy, shaped, state.up, state.sky and state.sky.axes))
+            text += self._contents(str(state.attributes.get("inputs:texture:file") or ""))
             webs = (file for file in assets_read.files() if file.suffix.lower() == ".ies")
             text += " ".join(sorted(self._contents(str(file)) for file in webs))
         return _core.bytes_hash(f"{type(state).__name__}\0{state.path}\0{text}".encode())

@@ -107,6 +107,7 @@ class MeshLightSource(LightSource):
         centre, area, facets = _core.mesh_light(mesh, placed, self.node.path)
         attributes["points"] = facets
         attributes["irt:centre"] = centre
+        attributes["irt:glow"] = self._seen_tint
         shaped["profile"] = "facets"
         shaped["facets"] = tuple(map(tuple, facets.tolist()))
         normalized = bool(self._attributes.values["inputs:normalize"])
