@@ -139,7 +139,8 @@ class SceneDigest:
         if isinstance(state, LightState):
             shaped = sorted(state.modifiers.items())
             text += repr((state.energy, shaped, state.up, state.sky and state.sky.axes))
-            text += self._contents(str(state.attributes.get("inputs:texture:file") or ""))
+            if picture := state.attributes.get("inputs:texture:file"):
+                text += self._contents(str(picture))
             webs = (file for file in assets_read.files() if file.suffix.lower() == ".ies")
             text += " ".join(sorted(self._contents(str(file)) for file in webs))
         return _core.bytes_hash(f"{type(state).__name__}\0{state.path}\0{text}".encode())
