@@ -143,6 +143,15 @@ def test_what_comes_back_under_its_name_may_be_something_else() -> None:
     edits.play(edits.Shot("crowd", frames))
 
 
+def test_an_array_may_begin_without_entries() -> None:
+    frames: list[list[Edit]] = [
+        [("object", "/f", ("array", (), 1.0), scenes.floor(1.0), "")],
+        [("entry", "/f", 3, (1, (0.5, 0.0, 0.0), 0.5))],
+        [("entry", "/f", 3, None)],
+    ]
+    edits.play(edits.Shot("crowd", frames))
+
+
 def test_shots_print_so_that_they_can_be_played_again() -> None:
     for seed in range(50):
         shot = edits.seeded_shot(seed)

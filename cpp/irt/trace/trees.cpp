@@ -391,9 +391,11 @@ void Trees::build_moving() {
 /// Lets go of the meshes that rebound objects, met as before, no longer shade by; and finds the
 /// prototypes of arrays where they stand now.
 void Trees::follow(const AppliedChanges& applied) {
-    for (const std::uint32_t index : applied.renumbered)
+    for (const std::uint32_t index : applied.renumbered) {
+        if (index >= objects_.size()) continue;  // no entry of it was committed yet
         if (Entries* entries = objects_[index].entries.get())
             entries->groups = groups_of(scene_->all_objects()[index]);
+    }
     for (const std::uint32_t slot : applied.rebound)
         if (Shape* shape = objects_[scene_->object_index(slot)].shape.get();
             shape && shape->triangles)
