@@ -152,6 +152,11 @@ def test_an_array_may_begin_without_entries() -> None:
     edits.play(edits.Shot("crowd", frames))
 
 
+def test_an_arrays_role_is_foreseen() -> None:
+    frames: list[list[Edit]] = [[("role", "/swarm", (False, False))], [("undo", 1)]]
+    edits.play(edits.Shot("swarm", frames, foreseen=True))
+
+
 def test_shots_print_so_that_they_can_be_played_again() -> None:
     for seed in range(50):
         shot = edits.seeded_shot(seed)

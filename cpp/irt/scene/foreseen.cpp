@@ -93,7 +93,8 @@ void Foreseen::add_array(const std::string& path, Object now) {
     Array& known = arrays_[path];
     if (!array_of(known.last)) known.last.geometry = std::make_shared<const InstanceArray>();
     const InstanceArray &was = *array_of(known.last), &is = *array_of(now);
-    const bool moved = !same_bits(known.last.world_from_object, now.world_from_object);
+    const bool moved = !same_bits(known.last.world_from_object, now.world_from_object) ||
+                       known.last.role != now.role;
     std::vector<std::int64_t> keys;
     std::size_t i = 0, j = 0;
     while (i < was.size() || j < is.size()) {
