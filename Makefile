@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # make setup | demo | test | check | format | bench | fuzz | mutants | ablation | torture |
-#     voxel-walk | exact-hits | materialx-pictures | fingerprint | clean
+#     voxel-walk | exact-hits | materialx-pictures | fingerprint |
+#     hydra | test-hydra | tsan-hydra | clean
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 MAKEFLAGS += --no-print-directory
@@ -17,7 +18,8 @@ BUILD := build/release# as in pyproject.toml
 PIP := $(VENV)/bin/pip --disable-pip-version-check install --quiet --constraint .ci/constraints.txt
 
 .PHONY: setup build system-packages test test-cpp test-python check format demo bench fuzz torture \
-    mutants ablation voxel-walk exact-hits materialx-pictures numerics sanitize fingerprint clean
+    mutants ablation voxel-walk exact-hits materialx-pictures numerics sanitize fingerprint \
+    hydra test-hydra tsan-hydra clean
 
 ## The program at .venv/bin/irt; python/ is used in place, C++ is rebuilt as far as it changed.
 setup: $(VENV)/.built
@@ -40,7 +42,7 @@ $(VENV)/.built: $(VENV)/.dependencies $(shell find cpp) | system-packages
 	@$(PIP) --no-build-isolation --no-deps --editable .
 	@touch $@
 
-test: test-cpp test-python
+test: test-cpp test-python test-hydra
 
 $(BUILD)/.tests-built: $(VENV)/.built $(shell find tests/cpp)
 	@echo "Building the C++ tests"
@@ -69,7 +71,7 @@ numerics: setup
 	@$(VENV)/bin/pytest tests/extremes --full --report out/numerics.md
 	@cat out/numerics.md
 
-CPP_FILES = $(shell find cpp tests/cpp -name '*.h' -o -name '*.cpp')
+CPP_FILES = $(shell find cpp tests/cpp hydra_plugin tests/hydra -name '*.h' -o -name '*.cpp')
 check: setup
 	@.ci/tools/install-system-packages $(CHECK_PACKAGES)
 	@clang-format --dry-run --Werror $(CPP_FILES)
@@ -170,6 +172,38 @@ materialx-pictures: setup
 
 fingerprint: setup
 	@$(VENV)/bin/irt fingerprint
+
+HYDRA := build/hydra
+# OpenUSD is found by CMake, or is the folder HYDRA_SDK that tests/hydra/make_bpy_sdk.py makes.
+HYDRA_SDK :=
+PYTHON_INCLUDE = $(shell python3 -c 'import sysconfig; print(sysconfig.get_path("include"))')
+PYTHON_LIBRARY = $(shell python3 -c 'import sysconfig as s; print(s.get_config_var("LIBDIR") + "/" + s.get_config_var("LDLIBRARY"))')
+HYDRA_PXR = $(if $(HYDRA_SDK),-D IRT_PXR_INCLUDE_DIRS="$(HYDRA_SDK)/include;$(HYDRA_SDK)/tbb;$(PYTHON_INCLUDE)" \
+    -D IRT_PXR_LIBRARIES="$(HYDRA_SDK)/lib/libusd_ms.so;$(HYDRA_SDK)/lib/libtbb.so.2;$(wildcard $(HYDRA_SDK)/lib/libboost_python*.so*);$(PYTHON_LIBRARY)")
+configure-hydra = cmake -S hydra_plugin -B $(1) -G Ninja -D IRT_HYDRA_TESTS=ON $(HYDRA_PXR) $(2)
+
+## The Hydra render delegate, in build/hydra/plugin (docs/hydra.md).
+hydra: system-packages
+	@$(call configure-hydra,$(HYDRA)) >$(HYDRA).log 2>&1 || { tail -n 20 $(HYDRA).log; exit 1; }
+	@cmake --build $(HYDRA) --target hdIrt
+	@echo "Point PXR_PLUGINPATH_NAME at $(CURDIR)/$(HYDRA)/plugin/resources"
+
+## Skipped, and said to be, where CMake finds no OpenUSD with imaging.
+test-hydra: setup
+	@mkdir -p $(HYDRA)
+	@if $(call configure-hydra,$(HYDRA)) >$(HYDRA).log 2>&1; then \
+	    cmake --build $(HYDRA) && ctest --test-dir $(HYDRA) --output-on-failure && \
+	    IRT_HYDRA_BUILD="$(CURDIR)/$(HYDRA)" $(VENV)/bin/pytest tests/hydra; \
+	else \
+	    echo "SKIPPED: the Hydra tests. Missing: $$(grep -m 1 -o 'Could not find.*"pxr"\|OpenUSD .*\|This OpenUSD .*' $(HYDRA).log || echo 'see $(HYDRA).log')." \
+	        "Give OpenUSD 24.05 or newer by CMAKE_PREFIX_PATH, or HYDRA_SDK (docs/hydra.md)."; \
+	fi
+
+## Edits while frames are being rendered, under the threads sanitizer.
+tsan-hydra: setup
+	@$(call configure-hydra,$(HYDRA)-tsan,-D IRT_SANITIZE=thread -D CMAKE_BUILD_TYPE=RelWithDebInfo) >$(HYDRA)-tsan.log
+	@cmake --build $(HYDRA)-tsan
+	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/hydra/tsan.supp" ctest --test-dir $(HYDRA)-tsan --output-on-failure
 
 clean:
 	rm -rf build out $(VENV)

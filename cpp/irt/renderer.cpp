@@ -44,6 +44,17 @@ void Renderer::add_view(const Camera& camera, const ViewSettings& settings) {
     views_.emplace_back(new ViewState{View(camera, settings, options_.render_origin)});
 }
 
+void Renderer::remove_view(std::size_t view) {
+    const Exclusive exclusive(updating_);
+    views_.at(view);
+    views_.erase(views_.begin() + static_cast<std::ptrdiff_t>(view));
+}
+
+void Renderer::release_history(std::size_t view) {
+    const Exclusive exclusive(updating_);
+    views_.at(view)->view.release_history();
+}
+
 std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
                                            const std::vector<ViewUpdate>& views,
                                            cells::Control& control) {
@@ -67,9 +78,12 @@ std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
     reports[0].apply_seconds = watch.lap();
 
     // Whatever throws from here on leaves films to be made anew, and the trees to catch up.
+    const bool changed = !scene.applied.empty();
     for (std::size_t v = 0; v < views.size(); ++v) {
-        if (camera_changed[v]) views_[v]->view.set_camera(*views[v].camera);
-        if (camera_changed[v] || !scene.applied.empty()) views_[v]->film_is_current = false;
+        ViewState& state = *views_[v];
+        if (camera_changed[v]) state.view.set_camera(*views[v].camera);
+        if (camera_changed[v] || changed) state.film_is_current = false;
+        if (camera_changed[v] || changed) state.behind = false;
     }
     scene.old_boxes = update::former_boxes(intersector_, scene.applied);
     uncommitted_.insert(uncommitted_.end(), scene.applied.geometry.begin(),
@@ -83,13 +97,25 @@ std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
     scene.foreseen = !options_.foreseen || scene.first ||
                      options_.foreseen->covers(scene_, scene.applied, scene.old_lights);
     if (!scene.foreseen) options_.foreseen = nullptr;
+    for (std::size_t v = 0; v < views.size(); ++v)
+        if (changed) views_[v]->behind = was_current[v] && !camera_changed[v];
     control.views = static_cast<int>(views.size());
     for (std::size_t v = 0; v < views.size() && !control.stop; ++v) {
+        if (!views[v].wanted) continue;
         control.begin_view(static_cast<int>(v));
-        update_view(*views_[v], scene, was_current[v], camera_changed[v], views[v].keep_history,
-                    control, reports[v]);
+        const bool catches_up = std::exchange(views_[v]->behind, false) && !changed;
+        update_view(*views_[v], catches_up ? missed_ : scene, was_current[v] || catches_up,
+                    camera_changed[v], views[v].keep_history, control, reports[v]);
     }
-    for (std::size_t v = 0; v < views.size(); ++v) reports[v].stopped = !views_[v]->film_is_current;
+    bool missed = false;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        reports[v].stopped = views[v].wanted && !views_[v]->film_is_current;
+        missed = missed || views_[v]->behind;
+    }
+    if (!missed)
+        missed_ = {};
+    else if (changed)
+        missed_ = std::move(scene);
     return reports;
 }
 

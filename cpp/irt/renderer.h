@@ -47,6 +47,9 @@ struct ViewUpdate {
     /// False: a full trace records nothing, for the caller knows that the next update could not use
     /// it.
     bool keep_history = true;
+    /// False: the view is left as it is. The next update catches up with what this one changed, and
+    /// traces the view anew if it changes more.
+    bool wanted = true;
 };
 
 class Renderer {
@@ -56,7 +59,15 @@ class Renderer {
     /// Adds another view of the same scene, with a history of its own. Its films are those of a
     /// renderer that has it alone, and the same options.
     void add_view(const Camera& camera, const ViewSettings& settings);
+    /// Those after it take the numbers before theirs. Throws std::out_of_range.
+    void remove_view(std::size_t view);
     [[nodiscard]] std::size_t view_count() const { return views_.size(); }
+    /// Frees what is kept of a view's rays: its next update is a full trace.
+    void release_history(std::size_t view);
+    /// Whether a view's film shows the scene as the last update left it.
+    [[nodiscard]] bool is_current(std::size_t view) const {
+        return views_.at(view)->film_is_current;
+    }
 
     /// Applies `changes` and brings every view's film up to them and to its camera; `views` has one
     /// entry a view, and so has the result (time spent on the scene is the first one's). Where
@@ -83,12 +94,16 @@ class Renderer {
     /// For tests: checks all that holds of the histories after an update, where any is kept. Throws
     /// std::logic_error naming the first invariant that is broken, and where.
     void validate() const;
+    /// Whether a view was left out of the last update that changed the scene, and the next one can
+    /// make up for it.
+    [[nodiscard]] bool catches_up(std::size_t view) const { return views_.at(view)->behind; }
 
   private:
     struct ViewState {
         View view;
         bool begun = false;  ///< it was rendered before, or tried
         bool film_is_current = false;
+        bool behind = false;  ///< current but for `missed_`
         update::Backoff backoff{};
         std::uint64_t film_rays = 0;
     };
@@ -97,7 +112,7 @@ class Renderer {
         AppliedChanges applied;
         std::vector<trace::Box> old_boxes;
         std::vector<LightSlot> old_lights;
-        bool first, foreseen;
+        bool first = false, foreseen = true;
     };
     template <class Archive, class State>
     static void archive(Archive& to, const std::string& name, State& state);
@@ -111,6 +126,7 @@ class Renderer {
     Scene scene_;
     trace::Intersector intersector_;
     std::vector<std::unique_ptr<ViewState>> views_;
+    SceneUpdate missed_;  ///< the last update that changed the scene, where a view was left out
     std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
     bool committed_ = false;                  ///< the trees have been built
     std::atomic<bool> updating_ = false;

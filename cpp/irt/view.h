@@ -83,6 +83,10 @@ class View {
     void nothing_retraced() { film_.clear_retraced(); }
 
     [[nodiscard]] bool has_history() const { return has_history_; }
+    void release_history() {
+        has_history_ = false;
+        history_.reset();
+    }
 
     /// For checkpoints (checkpoint/arrays.h): film and history. The camera, the settings and what
     /// follows from them are the maker's.

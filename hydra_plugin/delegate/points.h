@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "delegate/shapePrim.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// A ball at each point.
+class HdIrtPoints final : public HdIrtShapePrim {
+  public:
+    explicit HdIrtPoints(const SdfPath& id) : HdIrtShapePrim(id) {}
+
+  private:
+    bool _ReadGeometry(HdSceneDelegate& delegate, const std::set<std::string>& wanted,
+                       HdIrtShape& shape) override;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE
