@@ -43,7 +43,7 @@ void View::archive(Archive& to, const std::string& name, Self& self) {
 
 template <class Archive, class State>
 void Renderer::archive(Archive& to, const std::string& name, State& state) {
-    auto& [view, begun, film_is_current, backoff, film_rays] = state;
+    auto& [view, begun, film_is_current, behind, backoff, film_rays] = state;
     to.value(name + "begun", begun);
     to.value(name + "film_rays", film_rays);
     update::Backoff::archive(to, name + "backoff.", backoff);
