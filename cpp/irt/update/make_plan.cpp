@@ -154,6 +154,13 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     if (mutated(Mutant::still_tint_ignored)) plan.still_tint_changed = false;
 
     plan.lights_differ = !applied.lights.empty();
+    for (const std::string& path : applied.lights) {
+        const auto found = std::find_if(scene.lights().begin(), scene.lights().end(),
+                                        [&](const LightSlot& light) { return light.path == path; });
+        plan.changed_lights.emplace_back();
+        if (found != scene.lights().end())
+            plan.changed_lights.back() = static_cast<std::size_t>(found - scene.lights().begin());
+    }
     for (const LightSlot& light : scene.lights()) {
         const auto before =
             std::find_if(old_lights.begin(), old_lights.end(), [&](const LightSlot& old) {
