@@ -5,6 +5,7 @@
 #include "irt/film/film.h"
 #include "irt/fingerprint.h"
 #include "irt/mutant.h"
+#include "irt/scene/scene.h"
 #include "irt/trace/intersector.h"
 
 PYBIND11_MODULE(_core, module) {
@@ -19,6 +20,7 @@ PYBIND11_MODULE(_core, module) {
         names[i] = py::str(std::string(irt::film::aov_names[i]));
     module.attr("AOVS") = names;
     module.def("numeric_fingerprint", &irt::numeric_fingerprint, py::arg("isa") = "avx2");
+    module.def("name_hash", &irt::path_hash, py::arg("name"));
     module.def("versions", &irt::versions);
 #ifdef IRT_MUTANTS
     module.attr("MUTANTS") = irt::mutant_names();

@@ -55,7 +55,8 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
                       const std::optional<Array<float>>& normals, const std::string& interpolation,
                       bool left_handed, bool single_sided,
                       const std::map<std::string, PrimvarTuple>& primvars,
-                      const std::optional<Array<std::int32_t>>& face_materials) {
+                      const std::optional<Array<std::int32_t>>& face_materials,
+                      const std::optional<Array<std::int32_t>>& elements) {
     auto mesh = std::make_shared<Mesh>();
     mesh->points = vectors(points, "points");
     mesh->face_vertex_counts = integers(counts, "face_vertex_counts");
@@ -68,6 +69,7 @@ MeshPointer make_mesh(const Array<float>& points, const Array<std::int32_t>& cou
     mesh->single_sided = single_sided;
     mesh->primvars = make_primvars(primvars);
     if (face_materials) mesh->face_materials = integers(*face_materials, "face_materials");
+    if (elements) mesh->elements = integers(*elements, "elements");
     return mesh;
 }
 
@@ -234,7 +236,8 @@ Subdivider make_subdivider(const std::string& scheme, int level, const std::stri
                            const std::string& face_varying, const std::string& triangles,
                            const Integers& crease_indices, const Integers& crease_lengths,
                            const Array<float>& crease_sharpnesses, const Integers& corner_indices,
-                           const Array<float>& corner_sharpnesses, const Integers& holes) {
+                           const Array<float>& corner_sharpnesses, const Integers& holes,
+                           bool name_elements) {
     Subdivision rules;
     rules.scheme = one_of<SubdivisionScheme>(scheme, "scheme",
                                              {{"catmullClark", SubdivisionScheme::CatmullClark},
@@ -260,6 +263,7 @@ Subdivider make_subdivider(const std::string& scheme, int level, const std::stri
     rules.corner_indices = integers(corner_indices, "corner_indices");
     rules.corner_sharpnesses = floats(corner_sharpnesses);
     rules.hole_indices = integers(holes, "hole_indices");
+    rules.name_elements = name_elements;
     return Subdivider(std::move(rules));
 }
 
@@ -317,7 +321,7 @@ void bind_geometry(py::module_& module) {
              py::arg("face_vertex_indices"), py::arg("normals") = py::none(),
              py::arg("normals_interpolation") = "vertex", py::arg("left_handed") = false,
              py::arg("single_sided") = false, py::arg("primvars") = py::dict(),
-             py::arg("face_materials") = py::none())
+             py::arg("face_materials") = py::none(), py::arg("elements") = py::none())
         .def_static("ribbons", &make_ribbons, py::arg("points"), py::arg("curve_vertex_counts"),
                     py::arg("widths"), py::arg("normals"), py::kw_only(),
                     py::arg("widths_interpolation"), py::arg("normals_interpolation"),
@@ -330,7 +334,8 @@ void bind_geometry(py::module_& module) {
              py::arg("crease_indices") = Integers(0), py::arg("crease_lengths") = Integers(0),
              py::arg("crease_sharpnesses") = Array<float>(0),
              py::arg("corner_indices") = Integers(0),
-             py::arg("corner_sharpnesses") = Array<float>(0), py::arg("hole_indices") = Integers(0))
+             py::arg("corner_sharpnesses") = Array<float>(0), py::arg("hole_indices") = Integers(0),
+             py::arg("name_elements") = false)
         .def(
             "refine",
             [](Subdivider& subdivider, const Mesh& cage) {

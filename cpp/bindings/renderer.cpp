@@ -4,8 +4,10 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
+#include <string_view>
 
 #include "arrays.h"
 
@@ -20,10 +22,35 @@ film::Aov aov_or_throw(const std::string& name) {
     throw py::value_error("unknown AOV '" + name + "'");
 }
 
+/// The NAME of primvars:NAME.
+std::optional<std::string> primvar_named(const std::string& aov) {
+    constexpr std::string_view prefix = "primvars:";
+    if (aov.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+    return aov.substr(prefix.size());
+}
+
+/// Name, events, whether emission counts, paths of lights or None.
+using PartTuple =
+    std::tuple<std::string, std::string, bool, std::optional<std::vector<std::string>>>;
+
+shade::Events events_named(const std::string& name) {
+    constexpr std::string_view names[] = {"any", "none", "once", "more", "some"};
+    const auto* found = std::find(std::begin(names), std::end(names), name);
+    if (found == std::end(names)) throw py::value_error("unknown events '" + name + "'");
+    return static_cast<shade::Events>(found - std::begin(names));
+}
+
+/// The place of a part of the beauty, if it was asked for.
+std::optional<std::size_t> part_named(const ViewSettings& settings, const std::string& name) {
+    for (std::size_t p = 0; p < settings.parts.size(); ++p)
+        if (settings.parts[p].name == name) return p;
+    return std::nullopt;
+}
+
 ViewSettings make_settings(int width, int height, int samples, int max_depth,
                            double throughput_cutoff, double mirror_roughness,
                            const std::vector<std::string>& aovs, const std::pair<int, int>& start,
-                           const std::pair<int, int>& frame) {
+                           const std::pair<int, int>& frame, const std::vector<PartTuple>& parts) {
     ViewSettings settings;
     settings.width = width;
     settings.height = height;
@@ -31,7 +58,14 @@ ViewSettings make_settings(int width, int height, int samples, int max_depth,
     std::tie(settings.frame_width, settings.frame_height) = frame;
     settings.samples = samples;
     settings.shade = {max_depth, throughput_cutoff, mirror_roughness};
-    for (const std::string& name : aovs) settings.aovs.push_back(aov_or_throw(name));
+    for (const std::string& name : aovs) {
+        if (const auto primvar = primvar_named(name))
+            settings.primvars.push_back(*primvar);
+        else
+            settings.aovs.push_back(aov_or_throw(name));
+    }
+    for (const auto& [name, events, emission, lights] : parts)
+        settings.parts.push_back({name, events_named(events), emission, lights});
     return settings;
 }
 
@@ -145,14 +179,43 @@ const film::Film& film_of(const Renderer& renderer, std::size_t view) {
 }
 
 py::array aov_array(const py::object& self, const std::string& name, std::size_t view) {
-    const film::Film& film = film_of(self.cast<const Renderer&>(), view);
-    const film::Aov aov = aov_or_throw(name);
-    if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
+    using film::Aov;
+    const Renderer& renderer = self.cast<const Renderer&>();
+    const film::Film& film = film_of(renderer, view);
     const py::ssize_t height = film.height(), width = film.width();
-    if (aov == film::Aov::Retraced) return read_only(self, film.retraced(), {height, width});
-    if (aov == film::Aov::Depth) return read_only(self, film.depth(), {height, width});
-    if (aov == film::Aov::ObjectId) return read_only(self, film.object_id(), {height, width});
-    return read_only(self, &film.vectors(aov)->x, {height, width, 3});
+    if (const auto primvar = primvar_named(name)) {
+        const std::vector<std::string>& asked = renderer.settings(view).primvars;
+        const auto found = std::find(asked.begin(), asked.end(), *primvar);
+        if (found == asked.end()) throw py::value_error("AOV '" + name + "' was not asked for");
+        const auto index = static_cast<std::size_t>(found - asked.begin());
+        return read_only(self, film.primvar(index)->data(), {height, width, 4});
+    }
+    if (const auto part = part_named(renderer.settings(view), name))
+        return read_only(self, &film.part(*part)->x, {height, width, 3});
+    const Aov aov = aov_or_throw(name);
+    if (!film.has(aov)) throw py::value_error("AOV '" + name + "' was not asked for");
+    switch (aov) {
+        case Aov::Depth:
+            return read_only(self, film.depth(), {height, width});
+        case Aov::Retraced:
+            return read_only(self, film.retraced(), {height, width});
+        case Aov::ObjectId:
+        case Aov::InstanceId:
+        case Aov::ElementId:
+            return read_only(self, film.ids(aov), {height, width});
+        case Aov::CryptoObject:
+        case Aov::CryptoMaterial: {
+            const auto* pixels = reinterpret_cast<const std::uint32_t*>(film.coverage(aov));
+            return read_only(self, pixels,
+                             {height, width, static_cast<py::ssize_t>(film.ranks()), 2});
+        }
+        case Aov::Cause:
+            return read_only(self, film.causes(), {height, width});
+        case Aov::Seen:
+            throw py::value_error("irt.seen is no picture");
+        default:
+            return read_only(self, &film.vectors(aov)->x, {height, width, 3});
+    }
 }
 
 py::dict pixel_values(const Renderer& renderer, int x, int y, std::size_t view) {
@@ -169,6 +232,24 @@ py::dict pixel_values(const Renderer& renderer, int x, int y, std::size_t view) 
     if (film.has(film::Aov::Albedo)) out["albedo"] = vector(value.albedo);
     if (film.has(film::Aov::ObjectId))
         out["objectId"] = py::array_t<std::uint32_t>(1, &value.object_id);
+    if (film.has(film::Aov::InstanceId))
+        out["instanceId"] = py::array_t<std::uint32_t>(1, &value.instance_id);
+    if (film.has(film::Aov::ElementId))
+        out["elementId"] = py::array_t<std::uint32_t>(1, &value.element_id);
+    const auto coverage = [&](const film::Ranks& ranks) {
+        return py::array_t<std::uint32_t>({static_cast<py::ssize_t>(film.ranks()), py::ssize_t{2}},
+                                          reinterpret_cast<const std::uint32_t*>(ranks.data()));
+    };
+    if (film.has(film::Aov::CryptoObject)) out["CryptoObject"] = coverage(value.objects);
+    if (film.has(film::Aov::CryptoMaterial)) out["CryptoMaterial"] = coverage(value.materials);
+    const std::vector<std::string>& primvars = renderer.settings(view).primvars;
+    for (std::size_t p = 0; p < primvars.size(); ++p) {
+        const std::array<float, 4> none{};
+        const float* pixel = p < value.primvars.size() ? value.primvars[p].data() : none.data();
+        out[py::str("primvars:" + primvars[p])] = py::array_t<float>(4, pixel);
+    }
+    for (std::size_t p = 0; p < value.parts.size(); ++p)
+        out[py::str(renderer.settings(view).parts[p].name)] = vector(value.parts[p]);
     return out;
 }
 
@@ -182,7 +263,7 @@ void bind_renderer(py::module_& module) {
              py::arg("throughput_cutoff") = d.shade.throughput_cutoff,
              py::arg("mirror_roughness") = d.shade.mirror_roughness,
              py::arg("aovs") = std::vector<std::string>{}, py::arg("start") = std::pair(0, 0),
-             py::arg("frame") = std::pair(0, 0));
+             py::arg("frame") = std::pair(0, 0), py::arg("parts") = std::vector<PartTuple>{});
     py::class_<Foreseen, std::shared_ptr<Foreseen>>(module, "Foreseen")
         .def(py::init<const ChangeSet&>(), py::arg("initial"))
         .def("add", &Foreseen::add, py::arg("changes"));
@@ -221,6 +302,22 @@ void bind_renderer(py::module_& module) {
             },
             py::arg("view") = 0)
         .def("aov", &aov_array, py::arg("name"), py::arg("view") = 0)
+        .def(
+            "motion",
+            [](const Renderer& renderer, const ChangeSet& changes,
+               const std::optional<Camera>& camera, std::size_t view) {
+                const film::Film& film = film_of(renderer, view);
+                const std::vector<V2f> motion = renderer.motion(changes, camera, view);
+                return py::array_t<float>({film.height(), film.width(), 2}, &motion.data()->x);
+            },
+            py::arg("changes"), py::arg("camera") = py::none(), py::arg("view") = 0)
+        .def("cause_name", &Renderer::cause_name, py::arg("cause"))
+        .def(
+            "names",
+            [](const Renderer& renderer, const std::string& aov, std::set<std::uint32_t> ids) {
+                return renderer.names(aov_or_throw(aov), std::move(ids));
+            },
+            py::arg("aov"), py::arg("ids"))
         .def("brute_force_pixel", &pixel_values, py::arg("x"), py::arg("y"), py::arg("view") = 0)
         .def("validate", &Renderer::validate);
     bind_checkpoint(module, renderer);

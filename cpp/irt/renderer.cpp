@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "irt/renderer.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -75,6 +76,7 @@ std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
     scene.first = !committed_;
     scene.old_lights = scene_.lights();
     scene.applied = scene_.apply(changes);
+    changed_lights_ = scene.applied.lights;
     reports[0].apply_seconds = watch.lap();
 
     // Whatever throws from here on leaves films to be made anew, and the trees to catch up.
@@ -166,6 +168,51 @@ void Renderer::update_view(ViewState& state, const SceneUpdate& scene, bool was_
         for (const CellReport& cell : report.cells) state.film_rays += cell.counts.rays.rays();
     }
     report.all_rays = state.film_rays;
+}
+
+std::vector<V2f> Renderer::motion(const ChangeSet& changes, const std::optional<Camera>& camera,
+                                  std::size_t view) const {
+    const FloatState ieee;
+    const View& seen = views_.at(view)->view;
+    if (!seen.film().has(film::Aov::Seen))
+        throw std::invalid_argument("motion needs the AOV irt.seen");
+    Scene other(scene_);
+    const AppliedChanges applied = other.apply(changes);
+    return seen.motion(scene_, other, applied.geometry, camera.value_or(seen.camera()),
+                       options_.threads);
+}
+
+std::string Renderer::cause_name(film::CauseCode cause) const {
+    const std::uint32_t index = film::cause_index(cause);
+    switch (film::cause_kind(cause)) {
+        case film::CauseKind::Object:
+            return scene_.live(index) ? scene_.name(index) : scene_.object(index).path;
+        case film::CauseKind::Material:
+            return scene_.materials()[index].name;
+        case film::CauseKind::Light:
+            return index < changed_lights_.size() ? changed_lights_[index] : "";
+        default:
+            return "";
+    }
+}
+
+std::map<std::uint32_t, std::string> Renderer::names(film::Aov kind,
+                                                     std::set<std::uint32_t> ids) const {
+    std::map<std::uint32_t, std::string> found;
+    const auto offer = [&](std::uint32_t hash, auto&& name) {
+        const std::uint32_t id = film::cryptomatte_id(hash);
+        if (!ids.contains(id)) return;
+        auto [entry, fresh] = found.emplace(id, name());
+        if (!fresh) entry->second = std::min(entry->second, name());
+    };
+    if (kind == film::Aov::CryptoMaterial) {
+        for (const MaterialSlot& material : scene_.materials())
+            if (material.live) offer(material.id, [&] { return material.name; });
+        return found;
+    }
+    for (std::uint32_t slot = 0; slot < scene_.slot_count(); ++slot)
+        if (scene_.live(slot)) offer(scene_.id(slot), [&] { return scene_.name(slot); });
+    return found;
 }
 
 film::PixelValue Renderer::brute_force_pixel(int x, int y, std::size_t view) const {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,20 @@ class Renderer {
     [[nodiscard]] const film::Film& film(std::size_t view = 0) const {
         return views_.at(view)->view.film();
     }
+    [[nodiscard]] const ViewSettings& settings(std::size_t view = 0) const {
+        return views_.at(view)->view.settings();
+    }
+    /// View::motion; `changes` lead to the other state of the scene, in which the view's camera is
+    /// `camera`, if that differs.
+    [[nodiscard]] std::vector<V2f> motion(const ChangeSet& changes,
+                                          const std::optional<Camera>& camera,
+                                          std::size_t view = 0) const;
+    /// The name behind a pixel's cause: of an object, material or light; empty of other causes.
+    [[nodiscard]] std::string cause_name(film::CauseCode cause) const;
+    /// The names of objects (or materials) that Cryptomatte shows under `ids`; of several that
+    /// share one the least.
+    [[nodiscard]] std::map<std::uint32_t, std::string> names(film::Aov kind,
+                                                             std::set<std::uint32_t> ids) const;
     [[nodiscard]] film::PixelValue brute_force_pixel(int x, int y, std::size_t view = 0) const;
     /// For tests: checks all that holds of the histories after an update, where any is kept. Throws
     /// std::logic_error naming the first invariant that is broken, and where.
@@ -129,6 +145,7 @@ class Renderer {
     SceneUpdate missed_;  ///< the last update that changed the scene, where a view was left out
     std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
     bool committed_ = false;                  ///< the trees have been built
+    std::vector<std::string> changed_lights_;  ///< by the last update
     std::atomic<bool> updating_ = false;
 };
 

@@ -38,8 +38,18 @@ void require_same(const film::Film& kept, const film::Film& recorded) {
         if (kept.has(aov))
             require_same(kept.vectors(aov), recorded.vectors(aov), pixels, 1, width,
                          film::aov_names[static_cast<std::size_t>(aov)].data());
-    if (kept.has(Aov::ObjectId))
-        require_same(kept.object_id(), recorded.object_id(), pixels, 1, width, "objectId");
+    for (const Aov aov : {Aov::ObjectId, Aov::InstanceId, Aov::ElementId})
+        if (kept.has(aov))
+            require_same(kept.ids(aov), recorded.ids(aov), pixels, 1, width,
+                         film::aov_names[static_cast<std::size_t>(aov)].data());
+    for (const Aov aov : {Aov::CryptoObject, Aov::CryptoMaterial})
+        if (kept.has(aov))
+            require_same(kept.coverage(aov), recorded.coverage(aov), pixels, kept.ranks(), width,
+                         film::aov_names[static_cast<std::size_t>(aov)].data());
+    for (std::size_t p = 0; p < kept.primvar_count(); ++p)
+        require_same(kept.primvar(p), recorded.primvar(p), pixels, 1, width, "primvar");
+    for (std::size_t p = 0; p < kept.part_count(); ++p)
+        require_same(kept.part(p), recorded.part(p), pixels, 1, width, "part of the beauty");
 }
 
 }  // namespace
@@ -48,6 +58,7 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
     const shade::Shading shading(scene, settings_.shade, cone_);
     const update::Plan nothing;
     film::Film recorded(film_);
+    const Parts parts = shade::resolved(settings_.parts, scene);
     const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade, cone_);
     shade::Scratch scratch = whitted.make_scratch();
     for (int k = 0; k < cells::cell_count; ++k) {
@@ -68,7 +79,7 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
                 sample += static_cast<history::SampleIndex>(settings_.samples);
                 require(sample <= trees.roots.size(), "a root a sample");
                 if (trees.roots[first] & history::settled_bit) {
-                    recorded.set(x, y, traced_pixel(whitted, x, y, scratch));
+                    recorded.set(x, y, traced_pixel(whitted, x, y, parts, scratch));
                     continue;
                 }
                 for (int s = 0; s < settings_.samples; ++s) {
@@ -79,7 +90,7 @@ void View::validate(const Scene& scene, const trace::Intersector& intersector) c
                                 same_bits(kept.direction, primary.direction),
                             "a root holds its sample's primary ray");
                 }
-                recorded.set(x, y, recorded_pixel(cell, first));
+                recorded.set(x, y, recorded_pixel(scene, cell, first, parts));
             }
         require(sample == trees.roots.size(), "a root a sample");
         require(scratch.counts.rays() == trees.settled_rays,

@@ -10,10 +10,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "irt/graph/evaluate.h"
 #include "irt/math/float_state.h"
 #include "irt/math/stopwatch.h"
 #include "irt/scene/compile.h"
+#include "irt/scene/equality.h"
 #include "irt/trace/brute_force.h"
+#include "irt/trace/same_point.h"
 #include "irt/update/cost_model.h"
 
 namespace irt {
@@ -127,7 +130,8 @@ View::View(const Camera& camera, const ViewSettings& settings, const V3d& render
     : settings_(checked(settings)),
       render_origin_(render_origin),
       sample_offsets_(sample_pattern(settings.samples)),
-      film_(settings.width, settings.height, settings.aovs),
+      film_(settings.width, settings.height, settings.aovs, settings.primvars.size(),
+            settings.parts.size(), settings.samples),
       back_(film_) {
     set_camera(camera);
 }
@@ -173,51 +177,88 @@ trace::Ray View::primary_ray(int x, int y, int sample) const {
 /// t_max of primary rays: their directions are 1 deep, and they start at the near plane.
 float View::primary_reach() const { return static_cast<float>(camera_.far - camera_.near); }
 
-/// A pixel from its samples: sample(s, first) gives the beauty of sample s and what it sees first.
-template <class Sample>
-film::PixelValue View::pixel(Sample&& sample) const {
+/// A pixel from its samples: sample(s, first) gives the beauty of sample s and what it sees first,
+/// then part(s, p) a part of it.
+template <class Sample, class Part>
+film::PixelValue View::pixel(const Scene& scene, Sample&& sample, Part&& part) const {
     film::PixelValue value;
     V3d sum{0, 0, 0};
+    std::vector<V3d> sums(settings_.parts.size(), V3d(0, 0, 0));
     int covered = 0;
+    film::CoverageCount objects, materials;
     for (int s = 0; s < settings_.samples; ++s) {
         shade::FirstHit first;
         sum += V3d(sample(s, first));
-        covered += first.hit && !first.matte;
-        if (s > 0 || !first.hit || !film_.shows_surfaces()) continue;
-        value.depth = static_cast<float>(-transform_point(camera_from_render_, first.position).z);
-        value.normal = first.shading_normal;
-        value.position = V3f(first.position + render_origin_);
-        value.albedo = first.albedo;
-        value.object_id = first.id;
+        for (std::size_t p = 0; p < sums.size(); ++p) sums[p] += V3d(part(s, p));
+        if (!first) continue;
+        if (s == 0 && film_.shows_surfaces()) show_surface(scene, first, value);
+        if (first.matte) continue;
+        ++covered;
+        if (film_.has(film::Aov::CryptoObject)) objects.add(scene.id(first.seen.object));
+        if (film_.has(film::Aov::CryptoMaterial))
+            materials.add(scene.materials()[first.material].id);
     }
     const V3f mean(divided(sum, settings_.samples));
     for (int c = 0; c < 3; ++c) value.rgba[c] = mean[c];
     value.rgba[3] = static_cast<float>(static_cast<double>(covered) / settings_.samples);
+    for (const V3d& each : sums) value.parts.emplace_back(divided(each, settings_.samples));
+    value.objects = objects.ranks(settings_.samples);
+    value.materials = materials.ranks(settings_.samples);
     return value;
+}
+
+/// The AOVs of what a sample sees.
+void View::show_surface(const Scene& scene, const shade::FirstHit& first,
+                        film::PixelValue& value) const {
+    value.depth = static_cast<float>(-transform_point(camera_from_render_, first.position).z);
+    value.normal = first.shading_normal;
+    value.position = V3f(first.position + render_origin_);
+    value.albedo = V3f(first.albedo);
+    const trace::Hit& seen = first.seen;
+    if (film_.has(film::Aov::ObjectId)) value.object_id = scene.id(seen.object);
+    if (film_.has(film::Aov::InstanceId))
+        if (const std::optional<std::int64_t> key = scene.key(seen.object))
+            value.instance_id = static_cast<std::uint32_t>(*key);
+    if (film_.has(film::Aov::ElementId))
+        value.element_id = scene.surface(seen.object, seen.part).element_of(seen.primitive);
+    value.seen = {seen, first.position};
+    for (const std::string& name : settings_.primvars) {
+        std::array<float, 4>& out = value.primvars.emplace_back();
+        const graph::Site site{scene, scene.surface(seen.object, seen.part), seen};
+        if (const std::optional<graph::Value> found = graph::primvar_value(site, name))
+            for (std::size_t c = 0; c < 4; ++c) out[c] = static_cast<float>((*found)[c].v);
+    }
 }
 
 template <class Source>
 film::PixelValue View::traced_pixel(const shade::Whitted<Source>& whitted, int x, int y,
-                                    shade::Scratch& scratch) const {
-    return pixel([&](int s, shade::FirstHit& first) {
+                                    const Parts& parts, shade::Scratch& scratch) const {
+    scratch.tree_wanted = !parts.empty();
+    const auto sample = [&](int s, shade::FirstHit& first) {
         scratch.surface_wanted = s == 0 && film_.shows_surfaces();
         const V3f beauty = whitted.sample(primary_ray(x, y, s), scratch);
         first = scratch.first;
         return beauty;
+    };
+    return pixel(whitted.scene(), sample, [&](int, std::size_t p) {
+        return shade::part_of(parts[p], scratch.tree, 0, whitted.scene().lights());
     });
 }
 
 /// For validate.cpp, too.
 template film::PixelValue View::traced_pixel(const shade::Whitted<trace::Intersector>& whitted,
-                                             int x, int y, shade::Scratch& scratch) const;
+                                             int x, int y, const Parts& parts,
+                                             shade::Scratch& scratch) const;
 
-film::PixelValue View::recorded_pixel(const update::CellUpdate& cell,
-                                      history::SampleIndex first_sample) const {
-    return pixel([&](int s, shade::FirstHit& first) {
-        const history::SampleIndex sample = first_sample + static_cast<history::SampleIndex>(s);
-        first = cell.first_hit(sample, s == 0 && film_.shows_surfaces());
-        return cell.radiance(sample);
-    });
+film::PixelValue View::recorded_pixel(const Scene& scene, const update::CellUpdate& cell,
+                                      history::SampleIndex first_sample, const Parts& parts) const {
+    const auto index = [&](int s) { return first_sample + static_cast<history::SampleIndex>(s); };
+    const auto sample = [&](int s, shade::FirstHit& first) {
+        first = cell.first_hit(index(s), s == 0 && film_.shows_surfaces());
+        return cell.radiance(index(s));
+    };
+    return pixel(scene, sample,
+                 [&](int s, std::size_t p) { return cell.part(index(s), parts[p]); });
 }
 
 /// The colour alone, where what the samples see stands.
@@ -228,10 +269,38 @@ V3f View::recorded_color(const update::CellUpdate& cell, history::SampleIndex fi
     return V3f(sum / settings_.samples);
 }
 
+/// Likewise the parts of the beauty.
+std::vector<V3f> View::recorded_parts(const update::CellUpdate& cell, history::SampleIndex first,
+                                      const Parts& parts) const {
+    std::vector<V3f> values;
+    for (const shade::ResolvedPart& part : parts) {
+        V3d sum{0, 0, 0};
+        for (int s = 0; s < settings_.samples; ++s)
+            sum += V3d(cell.part(first + static_cast<history::SampleIndex>(s), part));
+        values.emplace_back(divided(sum, settings_.samples));
+    }
+    return values;
+}
+
+/// The first changed light that a pixel responds to; else one that is gone.
+film::CauseCode View::cause_of_color(const update::CellUpdate& cell, history::SampleIndex first,
+                                     const update::Plan& plan) const {
+    film::CauseCode gone = 0;
+    for (std::uint32_t i = 0; i < plan.changed_lights.size(); ++i) {
+        const film::CauseCode cause = film::make_cause(film::CauseKind::Light, i);
+        const std::optional<std::size_t> light = plan.changed_lights[i];
+        if (!light && gone == 0) gone = cause;
+        for (int s = 0; light && s < settings_.samples; ++s)
+            if (cell.responds(first + static_cast<history::SampleIndex>(s), *light)) return cause;
+    }
+    return gone;
+}
+
 bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, int threads,
                      const cells::CellOrder& order, cells::Control& control, CellReports& reports) {
     const shade::Whitted<trace::Intersector> whitted(scene, intersector, settings_.shade, cone_);
     control.steps = block_rows(settings_);
+    const Parts parts = shade::resolved(settings_.parts, scene);
     std::mutex adding;
     cells::for_each_task(threads, block_rows(settings_), [&](int row) {
         if (control.stop) return;
@@ -239,7 +308,7 @@ bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, 
         std::array<shade::Counts, cells::cell_count> counts{};
         for_each_pixel_in_row(settings_, order, row, [&](std::size_t cell, int x, int y) {
             scratch.counts = {};
-            back_.set(x, y, traced_pixel(whitted, x, y, scratch));
+            back_.set(x, y, traced_pixel(whitted, x, y, parts, scratch));
             if (back_.has(film::Aov::Retraced)) back_.set_retraced(x, y, scratch.counts.rays());
             counts[cell] += scratch.counts;
         });
@@ -256,6 +325,7 @@ bool View::trace_all(const Scene& scene, const trace::Intersector& intersector, 
         counts.new_rays = counts.rays.rays() - counts.rays.shadow;
     }
     std::swap(film_, back_);
+    film_.fill_causes(film::make_cause(film::CauseKind::Everything));
     has_history_ = false;
     return true;
 }
@@ -279,7 +349,12 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     history_->table.reset(history::VoxelGrid(history::crowded_box(std::move(boxes))),
                           samples / samples_a_path, foreseen != nullptr);
     std::optional<update::Reach> reach;
-    if (foreseen) reach = update::make_reach(*foreseen, scene, grid());
+    // Parts that go by events are made of trees, which settled samples do not keep.
+    const bool trees_needed = std::any_of(
+        settings_.parts.begin(), settings_.parts.end(),
+        [](const shade::BeautyPart& part) { return part.events != shade::Events::Any; });
+    if (foreseen && !trees_needed) reach = update::make_reach(*foreseen, scene, grid());
+    const Parts parts = shade::resolved(settings_.parts, scene);
 
     const shade::Shading shading(scene, settings_.shade, cone_);
     const update::Plan nothing;
@@ -296,8 +371,8 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
     std::atomic<std::size_t> blocks = 0;
     cells::for_each_group(threads, groups, order, [&](cells::CellGroup group) {
         Stopwatch watch;
-        record_group(group, control, cells, history_->blocks[blocks++], casts_shadows,
-                     shading.emits(), reach ? &*reach : nullptr);
+        record_group(scene, group, control, cells, history_->blocks[blocks++], casts_shadows,
+                     shading.emits(), reach ? &*reach : nullptr, parts);
         const double seconds = watch.lap() / static_cast<double>(group.size());
         for (const int cell : group) reports[static_cast<std::size_t>(cell)].trace = seconds;
     });
@@ -307,22 +382,23 @@ bool View::trace_and_record(const Scene& scene, const trace::Intersector& inters
         counts.flagged = counts.retraced = counts.changed = counts.rays.rays();
     }
     std::swap(film_, back_);
+    film_.fill_causes(film::make_cause(film::CauseKind::Everything));
     has_history_ = true;
     return true;
 }
 
 /// Records the cells of `group`: the first alone, which tells how much memory the others will take,
 /// for all cells hold alike (paper, section 5); then the others together.
-void View::record_group(cells::CellGroup group, cells::Control& control,
+void View::record_group(const Scene& scene, cells::CellGroup group, cells::Control& control,
                         std::vector<update::CellUpdate>& cells, history::BlockMemory& block,
                         const std::vector<bool>& casts_shadows, bool emits,
-                        const update::Reach* reach) {
+                        const update::Reach* reach, const Parts& parts) {
     const auto record = [&](std::size_t cell, int x, int y) {
         const auto first = static_cast<history::SampleIndex>(history_->cells[cell].roots.size());
         const std::uint64_t before = cells[cell].counts().retraced;
         const history::RayTrees::End end = history_->cells[cell].end();
         for (int s = 0; s < settings_.samples; ++s) cells[cell].trace_sample(primary_ray(x, y, s));
-        back_.set(x, y, recorded_pixel(cells[cell], first));
+        back_.set(x, y, recorded_pixel(scene, cells[cell], first, parts));
         if (back_.has(film::Aov::Retraced))
             back_.set_retraced(x, y, cells[cell].counts().retraced - before);
         if (reach) cells[cell].settle(first, end, *reach);
@@ -355,16 +431,20 @@ bool View::update(const Scene& scene, const trace::Intersector& intersector,
     for (std::size_t k = 0; k < cells::cell_count; ++k) {
         if (film_.has(film::Aov::Retraced))
             history_->lists[k].retraced.resize(history_->cells[k].roots.size());
+        if (film_.has(film::Aov::Cause))
+            history_->lists[k].causes.resize(history_->cells[k].roots.size());
         cells.emplace_back(shading, intersector, plan, history_->table, history_->cells[k],
                            history_->lists[k]);
     }
+    const Parts parts = shade::resolved(settings_.parts, scene);
     const auto write = [&](std::size_t k) {
         Stopwatch watch;
-        write_pixels(k, cells[k], plan.lights_differ);
+        write_pixels(scene, k, cells[k], plan, parts);
         reports[k].film = watch.lap();
         reports[k].counts = cells[k].counts();
     };
     if (film_.has(film::Aov::Retraced)) film_.clear_retraced();
+    film_.fill_causes(0);
     std::atomic<int> heavy_count = 0;
     std::array<bool, cells::cell_count> heavy{};
     cells::for_each_group(threads, cells::cell_count, order, [&](cells::CellGroup group) {
@@ -430,8 +510,10 @@ void View::run(update::CellUpdate& cell, CellReport& report) {
     report.combine = watch.lap();
 }
 
-/// Writes the pixels of cell `k` whose samples were walked; `all_colors`: of all others the colour.
-void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors) {
+/// Writes the pixels of cell `k` whose samples were walked; where lights differ, of all others the
+/// colour.
+void View::write_pixels(const Scene& scene, std::size_t k, const update::CellUpdate& cell,
+                        const update::Plan& plan, const Parts& parts) {
     const auto [dx, dy] = settings_.first_pixel(static_cast<int>(k));
     const int columns = (settings_.width - dx + cells::cell_stride - 1) / cells::cell_stride;
     const auto samples = static_cast<history::SampleIndex>(settings_.samples);
@@ -440,11 +522,14 @@ void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_
         return std::pair(dx + cells::cell_stride * (pixel % columns),
                          dy + cells::cell_stride * (pixel / columns));
     };
-    if (all_colors) {
+    const bool tells_causes = film_.has(film::Aov::Cause);
+    if (plan.lights_differ) {
         const auto end = static_cast<history::SampleIndex>(history_->cells[k].roots.size());
         for (history::SampleIndex sample = 0; sample < end; sample += samples) {
             const auto [x, y] = pixel_of(sample);
-            film_.set_color(x, y, recorded_color(cell, sample));
+            const bool changed = film_.set_color(x, y, recorded_color(cell, sample),
+                                                 recorded_parts(cell, sample, parts));
+            if (changed && tells_causes) film_.set_cause(x, y, cause_of_color(cell, sample, plan));
         }
     }
     history::SampleIndex written = history::no_node;
@@ -452,7 +537,13 @@ void View::write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_
         const history::SampleIndex first = sample - sample % samples;
         if (std::exchange(written, first) == first) continue;  // samples of a pixel come in a row
         const auto [x, y] = pixel_of(first);
-        film_.set(x, y, recorded_pixel(cell, first));
+        film_.set(x, y, recorded_pixel(scene, cell, first, parts));
+        if (!tells_causes) continue;
+        for (history::SampleIndex s = 0; s < samples; ++s)
+            if (const film::CauseCode cause = history_->lists[k].causes[first + s]) {
+                film_.set_cause(x, y, cause);
+                break;
+            }
     }
     const std::vector<std::uint32_t>& retraced = history_->lists[k].retraced;
     for (history::SampleIndex first = 0; first < retraced.size(); first += samples) {
@@ -487,7 +578,7 @@ shade::Counts View::record(const Scene& scene, const trace::Intersector& interse
     const cells::CellOrder order = cells::natural_order();
     cells::Control unstoppable;
     for_each_pixel(settings_, order, unstoppable,
-                   [&](std::size_t, int x, int y) { traced_pixel(whitted, x, y, scratch); });
+                   [&](std::size_t, int x, int y) { traced_pixel(whitted, x, y, {}, scratch); });
     return scratch.counts;
 }
 
@@ -496,7 +587,47 @@ film::PixelValue View::brute_force_pixel(const Scene& scene, int x, int y) const
     const trace::BruteForce source(scene);
     const shade::Whitted<trace::BruteForce> whitted(scene, source, settings_.shade, cone_);
     shade::Scratch scratch = whitted.make_scratch();
-    return traced_pixel(whitted, x, y, scratch);
+    return traced_pixel(whitted, x, y, shade::resolved(settings_.parts, scene), scratch);
+}
+
+/// In pixels of the full frame, y down.
+V2d View::raster(const Camera& camera, const M44d& camera_from_render, const V3d& position) const {
+    const V3d p = transform_point(camera_from_render, position);
+    const double depth = camera.orthographic ? 1 : -p.z;
+    const auto& [left, right, bottom, top] = camera.window;
+    return {(p.x / depth - left) / (right - left) * settings_.frame_width,
+            (p.y / depth - top) / (bottom - top) * settings_.frame_height};
+}
+
+std::vector<V2f> View::motion(const Scene& scene, const Scene& other,
+                              const std::vector<std::uint32_t>& moved, const Camera& camera,
+                              int threads) const {
+    check(camera);
+    M44d render_from_camera = camera.world_from_camera;
+    for (int a = 0; a < 3; ++a) render_from_camera[3][a] -= render_origin_[a];
+    const M44d there_from_render = checked_inverse(render_from_camera, "camera");
+    const bool camera_moves = !same(camera, camera_);
+    std::vector<bool> moves(scene.slot_count());
+    for (const std::uint32_t slot : moved)
+        if (slot < moves.size()) moves[slot] = true;
+    const auto width = static_cast<std::size_t>(settings_.width);
+    std::vector<V2f> motion(width * static_cast<std::size_t>(settings_.height), V2f(0, 0));
+    const film::SeenPoint* const seen = film_.seen();
+    cells::for_each_task(threads, settings_.height, [&](int row) {
+        trace::SamePoint points(scene, other);
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(row) * width + x;
+            const film::SeenPoint& here = seen[i];
+            if (!here.hit || !(camera_moves || moves[here.hit.object])) continue;
+            std::optional<V3d> there = here.position;
+            if (moves[here.hit.object]) there = points.find(here.hit, here.position);
+            if (!there) continue;
+            const V2d way = raster(camera, there_from_render, *there) -
+                            raster(camera_, camera_from_render_, here.position);
+            if (std::isfinite(way.x) && std::isfinite(way.y)) motion[i] = V2f(V2d(way.x, -way.y));
+        }
+    });
+    return motion;
 }
 
 }  // namespace irt

@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "irt/cells/cells.h"
 #include "irt/film/film.h"
 #include "irt/history/block_memory.h"
 #include "irt/scene/scene.h"
+#include "irt/shade/light_path.h"
 #include "irt/shade/recorder.h"
 #include "irt/shade/settings.h"
 #include "irt/shade/whitted.h"
@@ -31,6 +33,8 @@ struct ViewSettings {
     int samples = 1;  ///< a pixel
     shade::Settings shade;
     std::vector<film::Aov> aovs;
+    std::vector<std::string> primvars;  ///< AOVs of these, without "primvars:"
+    std::vector<shade::BeautyPart> parts;
 
     /// The film's first pixel of a cell.
     [[nodiscard]] cells::CellOffset first_pixel(int cell) const;
@@ -58,6 +62,7 @@ class View {
     View(const Camera& camera, const ViewSettings& settings, const V3d& render_origin);
 
     [[nodiscard]] const Camera& camera() const { return camera_; }
+    [[nodiscard]] const ViewSettings& settings() const { return settings_; }
     /// Throws std::invalid_argument on a camera that nothing can be seen through.
     static void check(const Camera& camera);
     void set_camera(const Camera& camera);
@@ -80,7 +85,17 @@ class View {
                 int threads, const cells::CellOrder& order, bool cost_model, CellReports& reports);
 
     /// Says so in the film, where that was asked for.
-    void nothing_retraced() { film_.clear_retraced(); }
+    void nothing_retraced() {
+        film_.clear_retraced();
+        film_.fill_causes(0);
+    }
+
+    /// By pixel how far, in pixels to the right and upwards, its visible point is elsewhere in
+    /// another state of the scene: `other`, seen through `camera`, in which the slots `moved`
+    /// differ. 0 where there is no point, or none that corresponds. Needs Aov::Seen.
+    [[nodiscard]] std::vector<V2f> motion(const Scene& scene, const Scene& other,
+                                          const std::vector<std::uint32_t>& moved,
+                                          const Camera& camera, int threads) const;
 
     [[nodiscard]] bool has_history() const { return has_history_; }
     void release_history() {
@@ -117,28 +132,39 @@ class View {
     [[nodiscard]] trace::Ray primary_ray(int x, int y, int sample) const;
 
   private:
+    using Parts = std::vector<shade::ResolvedPart>;
     struct History {
         history::PathTable table;
         std::array<history::BlockMemory, cells::cell_count> blocks;  ///< by task
         std::array<history::RayTrees, cells::cell_count> cells;
         std::array<update::CellLists, cells::cell_count> lists;
     };
-    void record_group(cells::CellGroup group, cells::Control& control,
+    void record_group(const Scene& scene, cells::CellGroup group, cells::Control& control,
                       std::vector<update::CellUpdate>& cells, history::BlockMemory& block,
                       const std::vector<bool>& casts_shadows, bool emits,
-                      const update::Reach* reach);
+                      const update::Reach* reach, const Parts& parts);
 
-    template <class Sample>
-    film::PixelValue pixel(Sample&& sample) const;
+    template <class Sample, class Part>
+    film::PixelValue pixel(const Scene& scene, Sample&& sample, Part&& part) const;
+    void show_surface(const Scene& scene, const shade::FirstHit& first,
+                      film::PixelValue& value) const;
     template <class Source>
     film::PixelValue traced_pixel(const shade::Whitted<Source>& whitted, int x, int y,
-                                  shade::Scratch& scratch) const;
-    film::PixelValue recorded_pixel(const update::CellUpdate& cell,
-                                    history::SampleIndex first) const;
+                                  const Parts& parts, shade::Scratch& scratch) const;
+    film::PixelValue recorded_pixel(const Scene& scene, const update::CellUpdate& cell,
+                                    history::SampleIndex first, const Parts& parts) const;
     V3f recorded_color(const update::CellUpdate& cell, history::SampleIndex first) const;
+    std::vector<V3f> recorded_parts(const update::CellUpdate& cell, history::SampleIndex first,
+                                    const Parts& parts) const;
+    [[nodiscard]] film::CauseCode cause_of_color(const update::CellUpdate& cell,
+                                                 history::SampleIndex first,
+                                                 const update::Plan& plan) const;
+    [[nodiscard]] V2d raster(const Camera& camera, const M44d& camera_from_render,
+                             const V3d& position) const;
     void flag_paths(const update::Plan& plan, int threads);
     static void run(update::CellUpdate& cell, CellReport& report);
-    void write_pixels(std::size_t k, const update::CellUpdate& cell, bool all_colors);
+    void write_pixels(const Scene& scene, std::size_t k, const update::CellUpdate& cell,
+                      const update::Plan& plan, const Parts& parts);
 
     [[nodiscard]] float primary_reach() const;
 

@@ -43,7 +43,8 @@ class Mesh:
     points (n, 3) float32; face_vertex_counts (f,) int32; face_vertex_indices (c,) int32;
     normals (k, 3) float32 or None for facets, k as `normals_interpolation` asks; of primvars each
     has as many elements as its interpolation asks. face_materials (f,) int32: -1, the object's
-    material, or an index into its face_materials; None: all -1.
+    material, or an index into its face_materials; None: all -1. elements (f,) int32: the authored
+    face that each is; None: themselves.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class Mesh:
         single_sided: bool = False,
         primvars: Primvars = ...,
         face_materials: NDArray[np.int32] | None = None,
+        elements: NDArray[np.int32] | None = None,
     ) -> None: ...
     @property
     def points(self) -> NDArray[np.float32]:
@@ -104,7 +106,9 @@ class Subdivider:
         corner_indices: NDArray[np.int32] = ...,
         corner_sharpnesses: NDArray[np.float32] = ...,
         hole_indices: NDArray[np.int32] = ...,
-    ) -> None: ...
+        name_elements: bool = False,
+    ) -> None:
+        """`name_elements`: the polygons know which of the cage's faces they are pieces of."""
     def refine(self, cage: Mesh) -> Mesh:
         """The polygons that stand for the limit surface, with its normals and refined primvars;
         at level 0 the cage, with smooth normals unless bilinear. The refined topology is kept for
@@ -403,10 +407,16 @@ class ViewSettings:
         aovs: Sequence[str] = (),
         start: tuple[int, int] = (0, 0),
         frame: tuple[int, int] = (0, 0),
-    ) -> None: ...
+        parts: Sequence[
+            tuple[str, Literal["any", "none", "once", "more", "some"], bool, Sequence[str] | None]
+        ] = (),
+    ) -> None:
+        """`parts` of the beauty, each: name, how often light was scattered, whether emission
+        counts, labels of the lights that do (None: all)."""
 
 AOVS: tuple[str, ...]
-"""depth, normal, position, albedo, objectId"""
+"""depth, normal, position, albedo, objectId, instanceId, elementId, CryptoObject, CryptoMaterial,
+irt.seen, irt.retraced, irt.cause. There is also primvars:NAME for every NAME."""
 
 class Foreseen:
     """What a shot says can ever change, and where."""
@@ -473,7 +483,22 @@ class Renderer:
         """(height, width, 4) RGBA, scene-linear, row 0 on top; a read-only view of the film,
         valid until the next update."""
     def aov(self, name: str, view: int = 0) -> NDArray[np.float32] | NDArray[np.uint32]:
-        """(height, width) depth and objectId (uint32), (height, width, 3) the others."""
+        """(height, width) depth, irt.retraced, ids and irt.cause (uint32); (height, width, 4)
+        primvars; (height, width, ranks, 2) Cryptomatte's ids and the bits of their float coverage
+        (uint32); (height, width, 3) the others, parts of the beauty by their names among them."""
+    def motion(
+        self, changes: ChangeSet, camera: Camera | None = None, view: int = 0
+    ) -> NDArray[np.float32]:
+        """(height, width, 2): by how many pixels, to the right and upwards, each pixel's visible
+        point is elsewhere in the state of the scene that `changes` lead to, seen through `camera`
+        (None: the view's). Nothing is applied. 0 where nothing is seen, or nothing corresponds.
+        Raises ValueError unless irt.seen was asked for."""
+    def cause_name(self, cause: int) -> str:
+        """The path of the object, material or light that a value of irt.cause stands for; empty
+        where it stands for none."""
+    def names(self, aov: str, ids: set[int]) -> dict[int, str]:
+        """Names of objects (CryptoObject) or materials (CryptoMaterial) by their ids, of those ids
+        that the scene has."""
     def brute_force_pixel(
         self, x: int, y: int, view: int = 0
     ) -> dict[str, NDArray[np.float32] | NDArray[np.uint32]]:
@@ -537,6 +562,9 @@ def bytes_hash(data: bytes) -> str:
 
 def numeric_fingerprint(isa: str = "avx2") -> str:
     """Hash over fixed rays and libm calls (DESIGN 3, rule 11), as 16 hex digits."""
+
+def name_hash(name: str) -> int:
+    """MurmurHash3 (x86, 32 bit), which ids are made of."""
 
 def versions() -> dict[str, str]:
     """Versions of irt, Embree, TBB, Imath and the compiler."""

@@ -16,6 +16,7 @@ or ("sky", axes, radiance, image or None). Records of _core may stand in their p
 many as there are, over and over.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -26,7 +27,18 @@ import textures
 from irt_usd import _core
 
 MANY = (("points",), ("curves",), ("ribbons",))
-AOVS = tuple(name for name in _core.AOVS if not name.startswith("irt."))
+AOVS = (*(name for name in _core.AOVS if not name.startswith("irt.")), "primvars:st")
+
+GROUPS: list[Any] = [("all", "any", True, None), ("key", "any", False, ["/key"])]
+"""Parts of the beauty that settled samples have, too."""
+
+EVENTS: list[Any] = [
+    ("emitted", "none", True, None),
+    ("direct", "once", True, None),
+    ("indirect", "more", True, None),
+    ("fill again", "some", False, ["fill"]),
+]
+"""Parts that are made of whole trees."""
 
 Edit = tuple[Any, ...]
 
@@ -569,8 +581,8 @@ def floor(height: float = 0.0) -> tuple[tuple[float, ...], ...]:
 def renderer(width: int = 24, height: int = 20, **options: Any) -> _core.Renderer:
     """A renderer whose camera looks down -z from the origin, all AOVs on."""
     options.setdefault("cost_model", False)
-    view: dict[str, Any] = {"max_depth": 5, "aovs": AOVS}
-    for name in ("samples", "throughput_cutoff", "aovs"):
+    view: dict[str, Any] = {"max_depth": 5, "aovs": AOVS, "parts": GROUPS}
+    for name in ("samples", "throughput_cutoff", "aovs", "parts"):
         if name in options:
             view[name] = options.pop(name)
     camera = _core.Camera(np.eye(4), (-0.6, 0.6, -0.5, 0.5))
@@ -578,6 +590,7 @@ def renderer(width: int = 24, height: int = 20, **options: Any) -> _core.Rendere
     return _core.Renderer(camera, settings, **options)
 
 
-def film_bits(source: _core.Renderer) -> bytes:
-    """Every bit of the film: beauty and all AOVs."""
-    return source.beauty().tobytes() + b"".join(source.aov(name).tobytes() for name in AOVS)
+def film_bits(source: _core.Renderer, but: str = "", parts: Sequence[Any] = GROUPS) -> bytes:
+    """Every bit of the film: beauty and all AOVs, `but` one."""
+    names = [name for name in (*AOVS, *(part[0] for part in parts)) if name != but]
+    return source.beauty().tobytes() + b"".join(source.aov(name).tobytes() for name in names)

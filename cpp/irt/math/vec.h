@@ -12,6 +12,7 @@
 namespace irt {
 
 using V2d = Imath::V2d;
+using V2f = Imath::V2f;
 using V3f = Imath::V3f;
 using V3d = Imath::V3d;
 using M44d = Imath::M44d;

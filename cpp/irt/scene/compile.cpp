@@ -108,6 +108,9 @@ void check(const Mesh& mesh, const std::string& path) {
         mesh.face_materials.size() != mesh.face_vertex_counts.size())
         refuse(path, "face_materials has " + std::to_string(mesh.face_materials.size()) +
                          " entries, expected " + std::to_string(mesh.face_vertex_counts.size()));
+    if (!mesh.elements.empty() && mesh.elements.size() != mesh.face_vertex_counts.size())
+        refuse(path, "elements has " + std::to_string(mesh.elements.size()) +
+                         " entries, expected " + std::to_string(mesh.face_vertex_counts.size()));
     check_names(mesh.primvars, path);
     for (const Primvar& primvar : mesh.primvars)
         check(primvar, elements(mesh, primvar.interpolation), path);

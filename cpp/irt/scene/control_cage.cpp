@@ -18,7 +18,8 @@ std::vector<T> selected(const std::vector<T>& values, const std::vector<bool>& k
     return out;
 }
 
-void remove_holes(Mesh& mesh, const std::vector<std::int32_t>& holes) {
+void remove_holes(Mesh& mesh, const Subdivision& rules) {
+    const std::vector<std::int32_t>& holes = rules.hole_indices;
     std::vector<bool> faces(mesh.face_vertex_counts.size(), true), corners;
     for (const std::int32_t hole : holes) {
         if (hole < 0 || static_cast<std::size_t>(hole) >= faces.size())
@@ -39,6 +40,9 @@ void remove_holes(Mesh& mesh, const std::vector<std::int32_t>& holes) {
             primvar.indices = selected(primvar.indices, kept);
     }
     if (!mesh.face_materials.empty()) mesh.face_materials = selected(mesh.face_materials, faces);
+    if (rules.name_elements)
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            if (faces[f]) mesh.elements.push_back(static_cast<std::int32_t>(f));
     mesh.face_vertex_indices = selected(mesh.face_vertex_indices, corners);
     mesh.face_vertex_counts = selected(mesh.face_vertex_counts, faces);
 }
@@ -73,7 +77,7 @@ std::vector<V3f> smooth_normals(const Mesh& mesh) {
 
 Mesh control_cage(const Mesh& cage, const Subdivision& rules) {
     Mesh mesh = cage;
-    if (!rules.hole_indices.empty()) remove_holes(mesh, rules.hole_indices);
+    if (!rules.hole_indices.empty()) remove_holes(mesh, rules);
     mesh.normals.clear();
     mesh.normals_interpolation = Interpolation::None;
     if (rules.scheme == SubdivisionScheme::Bilinear) return mesh;

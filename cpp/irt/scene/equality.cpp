@@ -76,7 +76,7 @@ bool same(const Primvars& a, const Primvars& b) {
 bool same(const Mesh& a, const Mesh& b) {
     return same_hits(a, b) && a.normals_interpolation == b.normals_interpolation &&
            same_bits(a.normals, b.normals) && same(a.primvars, b.primvars) &&
-           same_bits(a.face_materials, b.face_materials);
+           same_bits(a.face_materials, b.face_materials) && same_bits(a.elements, b.elements);
 }
 
 bool same_hits(const Mesh& a, const Mesh& b) {

@@ -68,6 +68,9 @@ struct Mesh {
     /// One a face: -1, the material of the object, or an index into its `face_materials`. Empty:
     /// all -1.
     std::vector<std::int32_t> face_materials;
+    /// One a face: the number of the authored face (of ribbons: curve) that it is, or is a piece
+    /// of. Empty: faces are the authored ones.
+    std::vector<std::int32_t> elements = {};
 };
 
 /// A ball, lengths in object units. One of radius 0 is not there.

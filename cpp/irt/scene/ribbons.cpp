@@ -100,6 +100,7 @@ std::shared_ptr<const Mesh> make_ribbons(const ControlCurves& c, int segments) {
             const auto here = base + 2 * static_cast<std::int32_t>(i);
             const auto there = base + 2 * static_cast<std::int32_t>((i + 1) % places);
             out->face_vertex_counts.push_back(4);
+            out->elements.push_back(static_cast<std::int32_t>(first.curve));
             for (const std::int32_t vertex : {here, here + 1, there + 1, there})
                 out->face_vertex_indices.push_back(vertex);
             for (std::size_t k = 0; k < c.primvars.size(); ++k) {

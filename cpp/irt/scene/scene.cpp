@@ -17,12 +17,6 @@ namespace irt {
 
 namespace {
 
-std::uint32_t path_hash(const std::string& path) {
-    std::uint32_t hash[1];
-    lmmh_x86_32(path.data(), static_cast<unsigned>(path.size()), 0, hash);
-    return hash[0];
-}
-
 M44d relative_to(const M44d& world_from_object, const V3d& origin) {
     M44d m = world_from_object;
     for (int a = 0; a < 3; ++a) m[3][a] -= origin[a];
@@ -118,6 +112,12 @@ struct Scene::Prepared {
         };
     }
 };
+
+std::uint32_t path_hash(const std::string& path) {
+    std::uint32_t hash[1];
+    lmmh_x86_32(path.data(), static_cast<unsigned>(path.size()), 0, hash);
+    return hash[0];
+}
 
 Scene::Scene(const V3d& render_origin) : render_origin_(render_origin) {}
 
@@ -274,7 +274,9 @@ AppliedChanges Scene::apply(const ChangeSet& changes) {
         if (slot.live && same(slot.record, *record)) continue;
         // What shows a material that is new is itself new or bound to it now.
         if (slot.live && !same_tint(slot.record, *record)) applied.tints.push_back(found->second);
-        slot = {true, name, *record, tint_varies(*record), {}, false, shadow_depth(*record)};
+        slot = {
+            true,           name, *record, tint_varies(*record), {}, false, shadow_depth(*record),
+            path_hash(name)};
         if (slot.tint_varies) {
             slot.tint_nodes = nodes_behind(*record, {tint_inputs.begin(), tint_inputs.end()});
             slot.tint_reads_place = reads_place(*record, slot.tint_nodes);

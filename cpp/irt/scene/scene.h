@@ -62,6 +62,7 @@ struct MaterialSlot {
     std::vector<std::int32_t> tint_nodes;
     bool tint_reads_place = false;     ///< some of them do
     trace::OpticalDepth shadow_depth;  ///< else: tint of a shadow ray crossing one primitive of it
+    std::uint32_t id = 0;              ///< MurmurHash3 (x86, 32 bit) of `name`
 };
 
 struct LightSlot {
@@ -88,6 +89,9 @@ struct FormerEntries {
     ObjectSlot array;
     std::vector<std::uint32_t> entries;
 };
+
+/// MurmurHash3 (x86, 32 bit) of a name.
+[[nodiscard]] std::uint32_t path_hash(const std::string& path);
 
 /// The compiled form of a prototype; `path` begins what is said of it where it cannot be rendered.
 using PrototypeCompiler = std::function<std::shared_ptr<const CompiledPrototype>(
@@ -208,6 +212,12 @@ class Scene {
     [[nodiscard]] std::string name(std::uint32_t slot) const;
     /// MurmurHash3 (x86, 32 bit) of the name: what id AOVs show.
     [[nodiscard]] std::uint32_t id(std::uint32_t slot) const;
+    /// Of an entry its key, of an object that is none nothing.
+    [[nodiscard]] std::optional<std::int64_t> key(std::uint32_t slot) const {
+        const ObjectSlot& o = object(slot);
+        if (!o.array) return std::nullopt;
+        return o.array->key(entry(slot));
+    }
 
     [[nodiscard]] const std::vector<MaterialSlot>& materials() const { return materials_; }
     /// In path order, lights of no energy left out (DESIGN 3, rule 3).

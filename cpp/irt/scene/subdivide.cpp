@@ -206,6 +206,7 @@ Mesh Subdivider::refine(const Mesh& cage) {
     if (!cage.face_materials.empty())
         for (const std::int32_t face : topology.base_faces)
             mesh.face_materials.push_back(cage.face_materials[static_cast<std::size_t>(face)]);
+    if (rules_.name_elements) mesh.elements = topology.base_faces;
     return mesh;
 }
 

@@ -38,6 +38,7 @@ struct Subdivision {
     std::vector<std::int32_t> corner_indices;
     std::vector<float> corner_sharpnesses;
     std::vector<std::int32_t> hole_indices;
+    bool name_elements = false;  ///< fill Mesh::elements with the cage's faces
 };
 
 struct RefinedTopology;

@@ -43,6 +43,14 @@ struct Surface {
         const std::int32_t face = triangles->mesh->face_materials[triangles->faces[primitive]];
         return face < 0 ? material : face_materials[static_cast<std::size_t>(face)];
     }
+    /// Number of the authored face, curve or point that a primitive belongs to (of a solid: 0).
+    [[nodiscard]] std::uint32_t element_of(std::uint32_t primitive) const {
+        if (curves) return curves->curve_of[primitive];
+        if (!triangles) return primitive;
+        const std::uint32_t face = triangles->faces[primitive];
+        const std::vector<std::int32_t>& elements = triangles->mesh->elements;
+        return elements.empty() ? face : static_cast<std::uint32_t>(elements[face]);
+    }
 };
 
 struct CompiledPrototype;

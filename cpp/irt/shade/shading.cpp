@@ -101,13 +101,13 @@ void Shading::shade_locally(const trace::Ray& ray, const trace::Hit& hit, double
             mapped_normal(material, site, render_from_trace, point.surface, values.normal);
 }
 
-FirstHit Shading::first_hit(const VisiblePoint& point, std::uint32_t object) const {
-    return {true,
+FirstHit Shading::first_hit(const VisiblePoint& point, const trace::Hit& hit) {
+    return {hit,
+            point.surface.material,
             point.matte,
             point.surface.position,
             V3f(point.shading),
-            V3f(point.response().base_color),
-            scene_.id(object)};
+            V3d(V3f(point.response().base_color))};
 }
 
 std::optional<LightSample> Shading::light_sample(const VisiblePoint& point,

@@ -39,14 +39,17 @@ struct RayCone {
     double spread = 0;  ///< per unit of distance
 };
 
-/// The first visible surface of a sample, for AOVs and coverage.
+/// The first visible surface of a sample, for AOVs and coverage: what it is, and, where a surface
+/// is asked for, how it looks.
 struct FirstHit {
-    bool hit = false;
+    trace::Hit seen;              ///< where no surface is asked for, its names alone
+    std::uint32_t material = 0;   ///< slot
     bool matte = false;           ///< held out: it covers nothing
     V3d position{0, 0, 0};        ///< render space
     V3f shading_normal{0, 0, 0};  ///< unit, render orientation, on the viewer's side
-    V3f albedo{0, 0, 0};
-    std::uint32_t id = 0;
+    V3d albedo{0, 0, 0};
+
+    explicit operator bool() const { return static_cast<bool>(seen); }
 };
 
 /// What a light would add at a visible point were nothing in between, at unit energy, and the
@@ -90,7 +93,7 @@ class Shading {
         if (!record.sky) return {1, 1, 1};
         return V3f(seen_in(*record.sky, V3d(ray.direction), cone_.spread));
     }
-    [[nodiscard]] FirstHit first_hit(const VisiblePoint& point, std::uint32_t object) const;
+    [[nodiscard]] static FirstHit first_hit(const VisiblePoint& point, const trace::Hit& hit);
     /// Empty where the light adds nothing whatever is in between.
     [[nodiscard]] std::optional<LightSample> light_sample(const VisiblePoint& point,
                                                           const LightSlot& light) const;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "irt/shade/light_path.h"
 #include "irt/shade/shading.h"
 
 namespace irt::shade {
@@ -24,8 +25,10 @@ struct Counts {
 /// What a thread needs to trace samples, so that tracing allocates nothing.
 struct Scratch {
     std::vector<V3f> columns;    ///< one response a light, level by level of the tree
-    bool surface_wanted = true;  ///< false: of `first`, the flag alone is needed
+    bool surface_wanted = true;  ///< false: of `first`, the names alone are needed
     FirstHit first;
+    bool tree_wanted = false;  ///< for parts of the beauty
+    SampleTree tree;
     Counts counts;
 };
 
@@ -37,6 +40,7 @@ class Whitted {
     Whitted(const Scene& scene, const Source& source, const Settings& settings, const RayCone& cone)
         : shading_(scene, settings, cone), source_(source) {}
 
+    [[nodiscard]] const Scene& scene() const { return shading_.scene(); }
     [[nodiscard]] Scratch make_scratch() const;
     /// The beauty of the sample whose primary ray is `ray`: scene-linear RGB.
     [[nodiscard]] V3f sample(const trace::Ray& ray, Scratch& scratch) const;
@@ -47,7 +51,9 @@ class Whitted {
     void shade_lights(const VisiblePoint& point, V3f* columns, Scratch& scratch) const;
     void branch(const VisiblePoint& point, const V3d& direction, const V3d& weight, int depth,
                 std::int64_t cost, double travelled, V3f& unscaled, std::uint64_t& kind,
-                Scratch& scratch) const;
+                SampleTree::Handle node, int which, Scratch& scratch) const;
+    void keep(SampleTree::Handle node, SampleTree::Value value, const V3f& unscaled,
+              const V3f* columns, Scratch& scratch) const;
     [[nodiscard]] V3f* level(Scratch& scratch, int depth) const {
         return scratch.columns.data() + static_cast<std::size_t>(depth) * lights().size();
     }

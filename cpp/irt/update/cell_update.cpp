@@ -41,6 +41,7 @@ void CellLists::clear() {
     walked.clear();
     combined.clear();
     std::fill(retraced.begin(), retraced.end(), 0);
+    std::fill(causes.begin(), causes.end(), film::CauseCode{0});
 }
 
 CellUpdate::CellUpdate(const shade::Shading& shading, const trace::Intersector& intersector,
@@ -107,7 +108,10 @@ void CellUpdate::light_new_lights() {
         ++counts_.flagged;
         ++counts_.rays.shadings;
         for (std::size_t l = 0; l < lights_.size(); ++l)
-            if (!plan_.kept_lights[l] || plan_.reshaped_lights[l]) respond(point, p, l);
+            if (!plan_.kept_lights[l] || plan_.reshaped_lights[l]) {
+                respond(point, p, l);
+                blame(node, film::CauseKind::Light, change_of_light(l));
+            }
         mark(node, mark_walk);
     }
 }
@@ -329,6 +333,28 @@ void CellUpdate::mark(NodeIndex node, std::uint8_t what) {
     if (trees_.mark(node, what)) lists_.walked.push_back(trees_.sample_of(node));
 }
 
+void CellUpdate::blame(NodeIndex node, film::CauseKind kind, std::uint32_t index) {
+    if (lists_.causes.empty()) return;
+    film::CauseCode& known = lists_.causes[trees_.sample_of(node)];
+    const film::CauseCode cause = film::make_cause(kind, index);
+    if (known == 0 || cause < known) known = cause;
+}
+
+/// The place of a light among those that changed; if it did not, that of the first.
+std::uint32_t CellUpdate::change_of_light(std::size_t light) const {
+    const auto found = std::find(plan_.changed_lights.begin(), plan_.changed_lights.end(), light);
+    return found == plan_.changed_lights.end()
+               ? 0
+               : static_cast<std::uint32_t>(found - plan_.changed_lights.begin());
+}
+
+bool CellUpdate::responds(history::SampleIndex sample, std::size_t light) const {
+    const std::uint32_t root = trees_.roots[sample];
+    if (root & history::settled_bit)
+        return trees_.settled[1 + light][root & ~history::settled_bit] != V3f(0, 0, 0);
+    return cumulative(root, 1 + light) != V3f(0, 0, 0);
+}
+
 void CellUpdate::count_retraced(NodeIndex node) {
     ++counts_.retraced;
     if (!lists_.retraced.empty()) ++lists_.retraced[trees_.sample_of(node)];
@@ -358,6 +384,27 @@ V3f CellUpdate::seen_beyond(std::size_t column, NodeIndex node) const {
     return shading_.seen_beyond(lights_[column - 1], trees_.ray(node));
 }
 
+V3f CellUpdate::part(history::SampleIndex sample, const shade::ResolvedPart& part) const {
+    const std::uint32_t root = trees_.roots[sample];
+    if ((root & history::settled_bit) == 0) return shade::part_of(part, *this, root, lights_);
+    const std::uint32_t at = root & ~history::settled_bit;
+    V3d sum(0, 0, 0);
+    if (part.columns[0] && trees_.emits) sum += V3d(trees_.settled[0][at]);
+    for (std::size_t l = 0; l < lights_.size(); ++l)
+        if (part.columns[1 + l])
+            sum += V3d(lights_[l].record.energy) * V3d(trees_.settled[1 + l][at]);
+    return V3f(sum);
+}
+
+/// Whether some of what a node's ray carries goes by its surface.
+bool CellUpdate::passes(Handle node) const {
+    const trace::HitName& visible = trees_.nodes[node].visible;
+    const std::uint32_t material = material_of(visible);
+    if (!shading_.varies(material) && !shading_.scene().matte(visible.object, visible.part))
+        return shading_.response(material).presence < 1;
+    return shade_point_of(node).response().presence < 1;
+}
+
 V3f CellUpdate::radiance(history::SampleIndex sample) const {
     const std::uint32_t root = trees_.roots[sample];
     const bool settled = (root & history::settled_bit) != 0;
@@ -381,12 +428,18 @@ shade::FirstHit CellUpdate::first_hit(history::SampleIndex sample, bool surface)
         const std::uint32_t material = material_of(visible);
         const bool varies = shading_.varies(material);
         if (surface || varies) {
-            const ShadePoint point = shade_point_of(node);
-            if (!point.response().invisible())
-                return surface ? shading_.first_hit(point, visible.object)
-                               : shade::FirstHit{true, point.matte};
+            const trace::Hit hit = kept_hit(node);
+            const ShadePoint point =
+                shading_.visible_point(trees_.ray(node), hit, travelled(node, visible));
+            if (!point.response().invisible()) return shade::Shading::first_hit(point, hit);
         } else if (!shading_.response(material).invisible()) {
-            return {true, shading_.scene().matte(visible.object, visible.part)};
+            shade::FirstHit named;
+            named.seen.object = visible.object;
+            named.seen.part = visible.part;
+            named.seen.primitive = visible.primitive;
+            named.material = material;
+            named.matte = shading_.scene().matte(visible.object, visible.part);
+            return named;
         }
         node = trees_.points[trees_.nodes[node].point].branches[1];
     }

@@ -5,10 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "irt/film/cause.h"
 #include "irt/history/path_table.h"
 #include "irt/history/ray_trees.h"
+#include "irt/shade/light_path.h"
 #include "irt/shade/shading.h"
 #include "irt/shade/whitted.h"
 #include "irt/trace/intersector.h"
@@ -40,6 +43,7 @@ struct CellLists {
     std::vector<history::SampleIndex> walked;  ///< samples whose roots are marked
     std::vector<history::NodeIndex> combined;  ///< nodes to combine, every one after its branches
     std::vector<std::uint32_t> retraced;       ///< by sample: rays retraced; empty: nobody asked
+    std::vector<film::CauseCode> causes;       ///< by sample: what changed it; empty: nobody asked
 
     void clear();
 };
@@ -76,13 +80,44 @@ class CellUpdate {
 
     /// The beauty of a sample: scene-linear RGB.
     [[nodiscard]] V3f radiance(history::SampleIndex sample) const;
-    /// What a sample sees first; `surface`: with all fields, not `hit` alone.
+    /// Whether a sample responds to a light.
+    [[nodiscard]] bool responds(history::SampleIndex sample, std::size_t light) const;
+    /// A part of the beauty of a sample. Where the part goes by events the sample is not settled.
+    [[nodiscard]] V3f part(history::SampleIndex sample, const shade::ResolvedPart& part) const;
+    /// What a sample sees first; `surface`: with all fields, not its names alone.
     [[nodiscard]] shade::FirstHit first_hit(history::SampleIndex sample, bool surface) const;
 
     [[nodiscard]] const UpdateCounts& counts() const { return counts_; }
 
+    // A sample's tree, as shade::ByEvents asks for it.
+    using Handle = history::NodeIndex;
+    [[nodiscard]] bool meets(Handle node) const {
+        return trees_.nodes[node].point != history::no_point;
+    }
+    [[nodiscard]] bool passes(Handle node) const;
+    [[nodiscard]] V3f own(Handle node, std::size_t column) const {
+        return intensity(node, column).own;
+    }
+    [[nodiscard]] V3f cumulative(Handle node, std::size_t column) const {
+        return intensity(node, column).cumulative;
+    }
+    [[nodiscard]] std::optional<Handle> branch(Handle node, int which) const {
+        const Handle found = trees_.points[trees_.nodes[node].point].branches[which];
+        if (found == history::no_node) return std::nullopt;
+        return found;
+    }
+    [[nodiscard]] V3f weight(Handle node) const { return trees_.nodes[node].weight; }
+
   private:
     [[nodiscard]] V3f seen_beyond(std::size_t column, history::NodeIndex node) const;
+    [[nodiscard]] history::Intensity intensity(Handle node, std::size_t column) const {
+        if (column == 0 && !trees_.emits) return {};
+        if (!meets(node)) {
+            const V3f beyond = seen_beyond(column, node);
+            return {beyond, beyond};
+        }
+        return trees_.columns[column][trees_.nodes[node].point];
+    }
     using NodeIndex = history::NodeIndex;
     using PointIndex = history::PointIndex;
     using ShadePoint = shade::VisiblePoint;
@@ -108,6 +143,9 @@ class CellUpdate {
     void combine_node(NodeIndex node);
 
     void mark(NodeIndex node, std::uint8_t what);
+    /// Notes why the node's sample changes, of several reasons the least.
+    void blame(NodeIndex node, film::CauseKind kind, std::uint32_t index);
+    [[nodiscard]] std::uint32_t change_of_light(std::size_t light) const;
     void count_retraced(NodeIndex node);
     void count_new(NodeIndex node);
     void count_query(NodeIndex node);

@@ -112,6 +112,11 @@ void CellUpdate::detect_materials() {
             ++counts_.flagged;
         }
         mark(node, mark_shade);
+        const trace::HitName& seen = trees_.nodes[node].visible;
+        if (plan_.rebound[seen.object])
+            blame(node, film::CauseKind::Object, seen.object);
+        else
+            blame(node, film::CauseKind::Material, material_of(seen));
         for (const NodeIndex branch : trees_.points[masked[i]].branches)
             if (branch != no_node && trees_.nodes[branch].point != no_point)
                 fetch_point(trees_.nodes[branch].point);
@@ -211,6 +216,9 @@ bool CellUpdate::record_holds(PointIndex point) const {
 
 /// Gives a node another visible point; what was kept of the old one's rays goes.
 void CellUpdate::replace_visible(NodeIndex node, const trace::Hit& hit, const HitBehind& behind) {
+    const trace::HitName& was = trees_.nodes[node].visible;
+    const bool left = meets(node) && plan_.geometry_changed[was.object];
+    blame(node, film::CauseKind::Object, left || !hit ? was.object : hit.object);
     trees_.remove_point(node);
     trees_.set_hit(node, hit);
     if (hit) trees_.behind[trees_.nodes[node].point] = behind;
@@ -268,6 +276,11 @@ void CellUpdate::test_shadow(PointIndex point, std::size_t light) {
     kept = now;
     if (now.depth == was.depth) return;
     ++counts_.changed;
+    for (const std::uint32_t blocker : {now.blocker, was.blocker})
+        if (blocker != trace::none && plan_.tint_changed[blocker])
+            blame(node, film::CauseKind::Object, blocker);
+    if (!lists_.causes.empty() && lists_.causes[trees_.sample_of(node)] == 0)
+        blame(node, film::CauseKind::Shadow, 0);
     if (mutated(Mutant::union_without_shadows))
         trees_.marks[node] |= mark_walk;
     else

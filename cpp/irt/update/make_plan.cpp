@@ -156,6 +156,13 @@ Plan make_plan(const Scene& scene, const trace::Intersector& intersector,
     plan.material_changed.resize(scene.materials().size());
     const double slack = intersector.pad();
     plan.lights_differ = !applied.lights.empty();
+    for (const std::string& path : applied.lights) {
+        const auto found = std::find_if(scene.lights().begin(), scene.lights().end(),
+                                        [&](const LightSlot& light) { return light.path == path; });
+        plan.changed_lights.emplace_back();
+        if (found != scene.lights().end())
+            plan.changed_lights.back() = static_cast<std::size_t>(found - scene.lights().begin());
+    }
     const Relinked relinked = compare_lights(scene, old_lights, plan);
     plan.tint_departed =
         !applied.tints.empty() || !applied.retinted.empty() || !relinked.casting.empty();

@@ -49,6 +49,8 @@ struct Plan {
     std::vector<std::optional<std::size_t>> kept_lights;
     /// By light: it casts the same rays, and surfaces respond to it otherwise.
     std::vector<bool> reshaped_lights;
+    /// Of each light that changed its place among the scene's, if it is there.
+    std::vector<std::optional<std::size_t>> changed_lights;
     bool lights_reshaped = false;
     bool lights_moved = false;   ///< some light is new or moved, and with it all its shadow rays
     bool skies_differ = false;   ///< rays that meet nothing see something else

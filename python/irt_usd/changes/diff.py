@@ -102,19 +102,19 @@ class ChangeList:
         """By view: whether its camera maps the world to the image otherwise than before."""
         self.exposures = [a.exposure != b.exposure for a, b in pairs_of_cameras]
         """By view: whether what is written is multiplied otherwise than before."""
-        self.changes: list[Change] = []
-        """By value, bit for bit: time samples that repeat a value are no change."""
+        self._by_owner: dict[str, list[Change]] = {}
         for path, (a, b) in {b.path: (a, b) for a, b in pairs_of_cameras}.items():
-            self.changes += _camera_changes(path, a, b)
+            self._by_owner[path] = list(_camera_changes(path, a, b))
         hidden_before = old.hidden if old else frozenset()
         for pairs in (self._objects, self._materials, self._lights):
             for path, pair in pairs.items():
                 if pair.old is None or pair.new is None:
-                    self.changes.append(
-                        _whole_change(path, pair.old, pair.new, hidden_before, new.hidden)
-                    )
+                    found = [_whole_change(path, pair.old, pair.new, hidden_before, new.hidden)]
                 else:
-                    self.changes += _attribute_changes(path, pair.old, pair.new, pair.differences)
+                    found = list(_attribute_changes(path, pair.old, pair.new, pair.differences))
+                self._by_owner.setdefault(path, []).extend(found)
+        self.changes = [change for owned in self._by_owner.values() for change in owned]
+        """By value, bit for bit: time samples that repeat a value are no change."""
 
     @property
     def camera(self) -> bool:
@@ -140,6 +140,29 @@ class ChangeList:
                 else:
                     pair.new.add_to(changes)
         return changes
+
+    @cached_property
+    def moved(self) -> "_core.ChangeSet":
+        """Of `core` the objects, and the materials that are new: all that geometry needs."""
+        from irt_usd import _core
+
+        changes = _core.ChangeSet()
+        for path, pair in self._materials.items():
+            if pair.old is None and pair.new is not None:
+                changes.set_material(path, _core.Material())
+        for path, of_object in self._objects.items():
+            if of_object.new is None:
+                changes.remove_object(path)
+            else:
+                of_object.new.add_to(changes)
+        return changes
+
+    def cause(self, path: str) -> str:
+        """The changes of what is called `path`, or of its parts, as prim.attribute."""
+        owner = path if path in self._by_owner else path.partition("[")[0].partition("#")[0]
+        changes = self._by_owner.get(owner, [])
+        found = [c for c in changes if c.path == path] or changes
+        return ", ".join(f"{c.path}.{c.attribute}" for c in found) or path
 
     def _load_textures(self) -> None:
         """Decodes together, rather than one by one, what the changed materials show."""

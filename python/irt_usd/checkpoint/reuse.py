@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from irt_usd import _core
+from irt_usd.aovs import MOTION
 from irt_usd.checkpoint.container import RefusedError, read
 from irt_usd.checkpoint.provenance import SceneDigest, differences, program_items, setting_items
 from irt_usd.checkpoint.store import KIND, newest
 from irt_usd.images.exr import rewrite_metadata
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.metadata import frame_metadata, shot_metadata
+from irt_usd.shot.products import view_aovs
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 from irt_usd.stage import Snapshot
@@ -29,6 +31,7 @@ class OldFrames:
     def __init__(
         self, path: Path, shot: Shot, settings: TraceSettings, extra: dict[str, Any]
     ) -> None:
+        self._shot = shot
         container = read(newest(path), KIND)
         container.verify()
         self._header = container.header
@@ -43,6 +46,8 @@ class OldFrames:
         ]
         if any(".irt." in name or name.startswith("irt.") for name in _layers(now)):
             found.append("layers irt.*, which tell of the run, are asked for")
+        if any(name in MOTION for view in shot.views for name in view_aovs(view, settings)):
+            found.append("layers of motion, which tell of other frames, are asked for")
         if found:
             raise RefusedError(f"{path}: its frames cannot be kept: " + "; ".join(found))
 
@@ -60,7 +65,9 @@ class OldFrames:
         ):
             return False
         for view, (old, path) in enumerate(zip(olds, paths, strict=True)):
-            metadata = self._common[view] | frame_metadata(frame, snapshot.cameras[view])
+            metadata = self._common[view] | frame_metadata(
+                self._shot, frame, snapshot.cameras[view]
+            )
             rewrite_metadata(old, path, metadata)
         return True
 

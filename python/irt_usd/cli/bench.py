@@ -15,6 +15,7 @@ from irt_usd.cli.options import (
     is_verbose,
     parse_size,
     shot_options,
+    trace_options,
     verbosity_options,
 )
 from irt_usd.errors import InputError
@@ -22,7 +23,7 @@ from irt_usd.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from irt_usd.shot.settings import ShotOptions
+    from irt_usd.shot.settings import ShotOptions, TraceSettings
 
 _SCENES = ("quadrics", "triangles", "pieces", "instances")
 _PEER_SCENES = ("triangles", "pieces")
@@ -208,6 +209,37 @@ def changes_command(
         f"{found.prims} prims, {found.moving} of them moving: the change set of a frame in"
         f" {spread.median:.2f} ms ({spread.low:.2f} to {spread.high:.2f}, {found.frames} frames)"
     )
+
+
+@bench.command("aovs")
+@shot_options
+@trace_options
+@_repeats_option
+@click.option("--json", "json_path", type=click.Path(path_type=Path), help="Write the figures.")
+@verbosity_options
+def aovs_command(
+    options: "ShotOptions",
+    settings: "TraceSettings",
+    repeats: int,
+    json_path: Path | None,
+    strict: bool,  # noqa: ARG001 (what is left out takes no time)
+    quiet: bool,
+) -> None:
+    """Measure what all AOVs together cost, what of writing tracing hides, what cameras share.
+
+    All times go by the clock and want a machine of their own.
+    """
+    from irt_usd.bench.aovs import measure_aovs
+    from irt_usd.bench.report import machine
+    from irt_usd.shot.output import prepare_output
+
+    if json_path is not None:
+        prepare_output([json_path], "--json", click.echo if is_verbose() else lambda _: None)
+    found = measure_aovs(options, settings, repeats, _sayer(quiet))
+    if json_path is not None:
+        _write_json(json_path, {"machine": machine(), **found.to_json()})
+    for row in found.rows():
+        click.echo(row)
 
 
 def _sayer(quiet: bool) -> Callable[[str], None]:

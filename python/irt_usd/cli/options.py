@@ -4,12 +4,14 @@
 import functools
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
 from math import isfinite
 from typing import Any
 
 import click
 
+from irt_usd.aovs import ALIASES, is_aov
 from irt_usd.choices import COMPLEXITY, MISSING_ASSET, PURPOSES, MissingAsset
 from irt_usd.cli.errors import VERBOSE
 from irt_usd.errors import InputError
@@ -210,9 +212,13 @@ def trace_options(command: Command) -> Command:
 
     @functools.wraps(command)
     def with_settings(*args: Any, **given: Any) -> Any:
-        aovs = tuple(dict.fromkeys(given.pop("aov"))) or None
+        layers = dict(map(_parse_aov, given.pop("aov")))
+        aovs = tuple(layers) or None
+        named = tuple((aov, layer) for aov, layer in layers.items() if layer)
         names = ("samples", "max_depth", "throughput_cutoff", "mirror_roughness", "isa", "threads")
-        settings = TraceSettings(aovs=aovs, **{name: given.pop(name) for name in names})
+        settings = TraceSettings(aovs=aovs, layers=named, **{n: given.pop(n) for n in names})
+        if isinstance(options := given.get("options"), ShotOptions):
+            given["options"] = replace(options, aovs=aovs or ())
         return command(*args, settings=settings, **given)
 
     return _with(
@@ -238,9 +244,10 @@ def trace_options(command: Command) -> Command:
         ),
         click.option(
             "--aov",
+            metavar="[LAYER=]NAME",
             multiple=True,
-            type=click.Choice(AOV_NAMES),
-            help="A further layer; may be repeated. By default the render products' vars.",
+            help="A further layer; may be repeated. By default the render products' vars."
+            f" {', '.join(AOV_NAMES)}, primvars:NAME.",
         ),
         _number("--threads", click.IntRange(0, 1024), _DEFAULTS.threads, "0 is all."),
         click.option(
@@ -261,6 +268,22 @@ def parse_size(text: str) -> tuple[int, int]:
     size = (int(match[1]), int(match[2]))
     check_film_size(size, ())
     return size
+
+
+def _parse_aov(text: str) -> tuple[str, str]:
+    """An AOV, and the name of its layer; empty: the AOV's."""
+    layer, given, name = text.partition("=") if not text.startswith("lpe:") else ("", "", text)
+    if not given:
+        layer, name = "", text
+    name = ALIASES.get(name, name)
+    if not is_aov(name):
+        raise InputError(
+            f"--aov {text}: there is no AOV '{name}'; expected one of {', '.join(AOV_NAMES)},"
+            " or primvars:NAME"
+        )
+    if given and not re.fullmatch(r"[A-Za-z0-9_.:-]+", layer):
+        raise InputError(f"--aov {text}: '{layer}' is no name for an EXR layer")
+    return name, layer
 
 
 def _parse_purposes(text: str) -> tuple[str, ...]:

@@ -82,6 +82,12 @@ if TYPE_CHECKING:
 @click.option(
     "--stats", type=click.Path(path_type=Path), help="Write one JSON object a frame to this file."
 )
+@click.option(
+    "--sidecar",
+    is_flag=True,
+    help="Write FILE.json beside each frame: times, memory, host. They are in no frame's header, so"
+    " that frames compare by their bytes.",
+)
 @click.option("--skip-existing", is_flag=True, help="Leave out frames whose file exists.")
 @click.option(
     "--make-output-path/--no-make-output-path",
@@ -127,6 +133,7 @@ def render(
     cells: str | None,
     progress_format: "ProgressFormat | None",
     stats: Path | None,
+    sidecar: bool,
     strict: bool,
     skip_existing: bool,
     make_output_path: bool,
@@ -157,6 +164,7 @@ def render(
     from irt_usd.shot.render import TABLE_HEADER, OutputOptions, render_shot
     from irt_usd.shot.session import open_shot, opening
     from irt_usd.shot.settings import check_film_size
+    from irt_usd.shot.sidecar import sidecar_path
     from irt_usd.shot.writer import preview_path
 
     quiet_text = quiet or progress_format in ("json", "none")
@@ -223,6 +231,9 @@ def render(
     if shown is not None:
         files += [preview_path(file) for file in files]
     prepare_output(files, "--output", note, kept, make_output_path)
+    if sidecar:
+        beside_frames = [sidecar_path(file) for _, files in wanted for file in files]
+        prepare_output(beside_frames, "--sidecar", note, kept, make_output_path)
     for option, beside in (("--stats", stats), ("--log-file", log_file)):
         if beside is not None:
             every = [file for files in paths for file in files]
@@ -237,6 +248,7 @@ def render(
         start,
         reuse,
         chosen,
+        sidecar,
     )
     total = len(wanted) * len(shot.views)
     bar = shot_progress(total, TABLE_HEADER, quiet, progress_format)

@@ -55,6 +55,7 @@ def verify(
     from irt_usd.images.atomic import atomic_file
     from irt_usd.report import Report
     from irt_usd.shot.output import prepare_output
+    from irt_usd.shot.products import every_aov
     from irt_usd.shot.progress import shot_progress
     from irt_usd.shot.session import open_shot
     from irt_usd.shot.settings import check_film_size
@@ -62,9 +63,9 @@ def verify(
 
     check_isa(settings.isa)
     use_threads(settings.threads)
-    asked = tuple(name for name in settings.aovs or () if name in SURFACE_AOVS)
-    settings = replace(settings, aovs=asked or SURFACE_AOVS)
-    shot = open_shot(options, Report(strict))
+    asked = tuple(name for name in settings.aovs or () if not name.startswith("irt."))
+    shot = open_shot(replace(options, aovs=asked or SURFACE_AOVS), Report(strict))
+    settings = replace(settings, aovs=asked or every_aov(shot.views))
     for view in shot.views:
         check_film_size(view.framing.size, settings.aovs or ())
     if json_path is not None:

@@ -16,7 +16,7 @@ from irt_usd import _core
 from irt_usd.checkpoint.container import Container, compose, read
 from irt_usd.checkpoint.provenance import FileHashes, program_items, setting_items
 from irt_usd.errors import MachineError
-from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType
+from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType, TimeCode
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
 
@@ -107,15 +107,38 @@ def assembled(parts: Sequence[Partial]) -> tuple[Film, dict[str, MetadataValue],
     height, width = first["size"]
     rest = _decoded(first["film"])
     beauty = np.zeros((height, width, 4), np.float32)
+    causes = _together([_decoded(part.header["film"]) for part in parts])["causes"]
     aovs: dict[str, NDArray[Any]] = {}
     for part in parts:
         mask = cell_mask((height, width), rest["start"], part.cells)
         beauty[mask] = part.container.array("beauty").reshape(-1, 4)
         for name, tail in first["shapes"].items():
             pixels = part.container.array(f"aov.{name}")
+            if name == "irt.cause":
+                pixels = _renumbered(pixels, _decoded(part.header["film"])["causes"], causes)
             plane = aovs.setdefault(name, np.zeros((height, width, *tail), pixels.dtype))
             plane[mask] = pixels.reshape(-1, *tail)
+    rest |= _together([_decoded(part.header["film"]) for part in parts])
     return Film(beauty, aovs, **rest), _decoded(first["metadata"]), first["pixel_type"]
+
+
+def _renumbered(
+    pixels: NDArray[np.float32], own: Sequence[str], causes: Sequence[str]
+) -> NDArray[np.float32]:
+    """irt.cause of a part, whose table is `own`, by the table of the whole frame."""
+    numbers = np.array([0, *(causes.index(text) + 1 for text in own)], np.float32)
+    renumbered: NDArray[np.float32] = numbers[pixels.astype(np.int64)]
+    return renumbered
+
+
+def _together(films: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """What parts of a frame found each for itself."""
+    manifests: dict[str, dict[str, int]] = {}
+    for film in films:
+        for name, names in film["manifests"].items():
+            manifests.setdefault(name, {}).update(names)
+    ordered = {name: dict(sorted(names.items())) for name, names in manifests.items()}
+    return {"manifests": ordered, "causes": sorted({c for film in films for c in film["causes"]})}
 
 
 def cell_mask(
@@ -133,6 +156,8 @@ def _encoded(value: Any) -> Any:
     """As JSON holds it without loss."""
     if isinstance(value, np.generic):
         value = value.item()
+    if isinstance(value, TimeCode):
+        return {"timecode": value.bits}
     if isinstance(value, Fraction):
         return {"fraction": [value.numerator, value.denominator]}
     if isinstance(value, (tuple, list)):
@@ -148,6 +173,8 @@ def _decoded(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
     ((kind, inner),) = value.items()
+    if kind == "timecode":
+        return TimeCode(inner)
     if kind == "fraction":
         return Fraction(*inner)
     if kind == "map":

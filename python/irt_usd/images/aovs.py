@@ -6,7 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from irt_usd.aovs import AOVS
+from irt_usd.aovs import LPE, PRIMVARS, aov
+from irt_usd.images.cryptomatte import ranks
 
 Plane = NDArray[np.float32] | NDArray[np.uint32]
 
@@ -15,9 +16,20 @@ def derived(
     name: str,
     source: Callable[[str], Plane],
     world_from_camera: NDArray[np.float64],
+    exposure: float = 1.0,
 ) -> Plane:
-    """An AOV's plane from the core's; a copy. Not of irt.age, which needs the frames before."""
-    plane = source(AOVS[name].source)
+    """An AOV's plane from the core's; a copy. Not of those that need other frames.
+
+    `exposure`: what parts of the beauty are multiplied by.
+    """
+    if name.startswith(LPE):
+        return exposed(source(name).view(np.float32), exposure).copy()
+    wanted = aov(name)
+    plane = source(wanted.source)
+    if wanted.kind == "cryptomatte":
+        return ranks(plane.view(np.uint32))
+    if name.startswith(PRIMVARS):
+        return (plane[..., : len(wanted.letters)] if wanted.letters else plane[..., 0]).copy()
     if name == "Peye":
         camera_from_world = np.linalg.inv(world_from_camera)
         eye = plane.astype(np.float64) @ camera_from_world[:3, :3] + camera_from_world[3, :3]
@@ -35,7 +47,7 @@ def derived(
 
 
 def exposed(beauty: NDArray[np.float32], scale: float) -> NDArray[np.float32]:
-    """`beauty` (height, width, 4) with its colours times `scale`: what a camera's exposure does."""
+    """`beauty` (height, width, 3 or 4), colours times `scale`: what a camera's exposure does."""
     if scale == 1:
         return beauty
     result: NDArray[np.float32] = beauty.copy()

@@ -1,15 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """EXR frames: scene-linear beauty and AOVs in one file, the same bytes for the same pixels.
 
-Beauty is `R G B A` in the root layer, the AOVs are layers beside it:
-
-    depth, cameraDepth   Z; cameraDepth     float, in scene units
-    normal, Neye         normal.X .Y .Z     float, world space; camera space
-    position, Peye       position.X .Y .Z   float, world space; camera space
-    albedo               albedo.R .G .B     as beauty
-    objectId, primId     objectId.id        uint32, in a further part of the AOV's name
-    irt.retraced         irt.retraced       float, rays retraced in the pixel for this frame
-    irt.age              irt.age            float, frames since a ray of the pixel was retraced
+Beauty is `R G B A` in the root layer. The AOVs are layers beside it (docs/aovs.md): colours stored
+as beauty is, others in single precision, ids as uint32 in parts of their own.
 
 The data window is the film's, the display window the full frame's.
 
@@ -17,6 +10,7 @@ OpenImageIO converts pixels of mixed types by way of float, which cannot hold ev
 the further parts.
 """
 
+import json
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -30,15 +24,25 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 from numpy.typing import NDArray
 
-from irt_usd.aovs import AOVS
+from irt_usd.aovs import aov, default_layer
 from irt_usd.errors import InputError, MachineError
+from irt_usd.images import cryptomatte
 from irt_usd.images.aovs import Plane
 from irt_usd.images.atomic import atomic_file
 
 PixelType = Literal["half", "float"]
 Matrix = tuple[float, ...]
 """16 numbers, row after row, for row vectors as in OpenEXR and USD."""
-MetadataValue = str | int | float | Fraction | Matrix
+
+
+@dataclass(frozen=True)
+class TimeCode:
+    """SMPTE 12M's time and flags: two decimal digits a byte, hours first."""
+
+    bits: int
+
+
+MetadataValue = str | int | float | Fraction | Matrix | TimeCode
 
 HALF_MAX = 65504.0
 """Larger finite values are written as this: the next half is infinity."""
@@ -64,9 +68,15 @@ class Film:
     layers: Mapping[str, str] = field(default_factory=dict)
     """Names of the AOVs' layers, where they are other than the AOVs'."""
 
-    def layer(self, aov: str) -> str:
+    manifests: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    """Of cryptomattes, by AOV: the ids that the image shows, by name."""
+
+    causes: Sequence[str] = ()
+    """What the numbers of irt.cause stand for, from 1 on."""
+
+    def layer(self, name: str) -> str:
         """The name of an AOV's layer."""
-        return self.layers.get(aov, aov)
+        return self.layers.get(name) or default_layer(name)
 
 
 @dataclass(frozen=True)
@@ -86,12 +96,17 @@ def write_exr(
     """
     pixels, spec = _colour_part(film, pixel_type)
     parts: list[tuple[oiio.ImageSpec, NDArray[Any]]] = [(spec, pixels)]
-    ids = [_id_part(film, name) for name in film.aovs if AOVS[name].kind == "id"]
+    ids = [_id_part(film, name) for name in film.aovs if aov(name).kind == "id"]
     if ids:
         parts += ids
         spec["oiio:subimagename"] = "rgba"
     for part_spec, _ in parts:
         _set_metadata(part_spec, metadata)
+    for name, manifest in film.manifests.items():
+        _set_metadata(spec, cryptomatte.metadata(film.layer(name), manifest))
+    if "irt.cause" in film.aovs:
+        table = {str(number): text for number, text in enumerate(film.causes, 1)}
+        _set_metadata(spec, {"irt:causes": json.dumps(table, ensure_ascii=False)})
     with atomic_file(path) as temporary:
         _write_parts(temporary, path, parts)
     return _faults(film, pixel_type)
@@ -192,11 +207,13 @@ def _colour_part(film: Film, pixel_type: PixelType) -> tuple[NDArray[np.float32]
     planes: list[NDArray[Any]] = [_storable(film.beauty, pixel_type)]
     names = ["R", "G", "B", "A"]
     formats = [colour_type] * 4
-    for name in AOVS:
-        if name not in film.aovs or AOVS[name].kind == "id":
+    for name, values in film.aovs.items():
+        kind = aov(name).kind
+        if kind == "id":
             continue
-        channels, colour = AOVS[name].channels(film.layer(name)), AOVS[name].kind == "colour"
-        plane = film.aovs[name].reshape(height, width, len(channels))
+        colour = kind == "colour"
+        plane = values.reshape(height, width, -1)
+        channels = aov(name).channels(film.layer(name), plane.shape[2])
         planes.append(_storable(plane, pixel_type) if colour else plane)
         names += channels
         formats += [colour_type if colour else oiio.FLOAT] * len(channels)
@@ -209,7 +226,7 @@ def _id_part(film: Film, name: str) -> tuple[oiio.ImageSpec, NDArray[np.uint32]]
     ids = film.aovs[name]
     height, width = ids.shape
     layer = film.layer(name)
-    spec = _new_spec(film, AOVS[name].channels(layer), oiio.UINT32)
+    spec = _new_spec(film, aov(name).channels(layer), oiio.UINT32)
     spec["oiio:subimagename"] = layer
     return spec, np.ascontiguousarray(ids.reshape(height, width, 1), dtype=np.uint32)
 
@@ -236,6 +253,9 @@ def _new_spec(film: Film, channels: Sequence[str], pixel_format: Any) -> oiio.Im
     spec.x, spec.y = film.start
     spec.full_x, spec.full_y = 0, 0
     spec.full_width, spec.full_height = film.frame or (width, height)
+    if (*film.start, width, height) != (0, 0, spec.full_width, spec.full_height):
+        whole = (0, 0, spec.full_width - 1, spec.full_height - 1)
+        spec.attribute("originalDataWindow", oiio.TypeDesc("box2i"), whole)
     spec.channelnames = tuple(channels)
     spec["compression"] = "zip"
     spec["DateTime"] = ""  # keeps OpenImageIO from adding the time of writing
@@ -248,6 +268,8 @@ def _set_metadata(spec: oiio.ImageSpec, metadata: Mapping[str, MetadataValue]) -
         if isinstance(value, Fraction):
             rational = (value.numerator, value.denominator)
             spec.attribute(key, oiio.TypeDesc("rational"), rational)
+        elif isinstance(value, TimeCode):
+            spec.attribute(key, oiio.TypeDesc("timecode"), (value.bits, 0))
         elif isinstance(value, tuple):
             kind = "matrix" if len(value) == 16 else f"float[{len(value)}]"
             spec.attribute(key, oiio.TypeDesc(kind), value)

@@ -5,14 +5,16 @@ Times, hosts, threads and the cost of a frame belong in the statistics file.
 """
 
 from fractions import Fraction
+from math import isfinite
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from pxr import Usd
 
 from irt_usd import _core
-from irt_usd.images.exr import Matrix, MetadataValue, source_date
+from irt_usd.images.exr import Matrix, MetadataValue, TimeCode, source_date
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
@@ -20,6 +22,9 @@ from irt_usd.stage.snapshot import CameraState
 
 _INTEGERS = 2**31
 """OpenEXR's integers and rationals end here; larger frame numbers and rates are left out."""
+
+_SINGLE = 3e38
+"""Floats of a header end here."""
 
 _FLIP_Z = np.diag([1.0, 1.0, -1.0, 1.0])
 
@@ -68,13 +73,17 @@ def shot_metadata(shot: Shot, settings: TraceSettings, view: int = 0) -> dict[st
         entries["irt:renderProduct"] = product
     if shot.options.lock_camera is not None:
         entries["irt:lockCamera"] = format_frame(shot.options.lock_camera)
+    layer = shot.stage.GetRootLayer()
+    for entry, text in (("Copyright", layer.owner), ("ImageDescription", layer.comment)):
+        if text:
+            entries[entry] = str(text)
     rate = shot.stage.GetFramesPerSecond()
     if rate < _INTEGERS:
         entries["framesPerSecond"] = frames_per_second(rate)
     return entries
 
 
-def frame_metadata(frame: Frame, camera: CameraState) -> dict[str, MetadataValue]:
+def frame_metadata(shot: Shot, frame: Frame, camera: CameraState) -> dict[str, MetadataValue]:
     """The entries of one frame.
 
     Focal length and film back are in millimetres, as is usual for USD's tenths of a scene unit.
@@ -93,9 +102,48 @@ def frame_metadata(frame: Frame, camera: CameraState) -> dict[str, MetadataValue
         "irt:exposureScale": camera.exposure,
         "PixelAspectRatio": camera.pixel_aspect,
     }
+    if not camera.orthographic:
+        left, right, bottom, top = camera.window
+        entries["screenWindowCenter"] = ((left + right) / 2, (bottom + top) / 2)
+        entries["screenWindowWidth"] = right - left
+    rate = shot.stage.GetFramesPerSecond()
     if frame == frame.to_integral_value() and abs(frame) < _INTEGERS:
         entries["imageCounter"] = int(frame)
-    return entries
+        code = time_code(int(frame), rate)
+        if code is not None:
+            entries["smpte:TimeCode"] = code
+    locked = shot.options.lock_camera
+    time = Usd.TimeCode(float(frame if locked is None else locked))
+    return entries | _lens(shot.stage.GetPrimAtPath(camera.path), time, rate)
+
+
+def _lens(camera: Usd.Prim, time: Usd.TimeCode, rate: float) -> dict[str, MetadataValue]:
+    """What a camera says of itself that shows in no pixel here, where it is authored."""
+
+    def number(name: str) -> float:
+        attribute = camera.GetAttribute(name)
+        value = attribute.Get(time) if attribute and attribute.HasAuthoredValue() else None
+        return float(value) if isinstance(value, (int, float)) and isfinite(value) else 0.0
+
+    found = {
+        "FNumber": number("fStop"),
+        "focus": number("focusDistance"),
+        "ExposureTime": (number("shutter:close") - number("shutter:open")) / max(rate, 1e-9),
+    }
+    return {entry: value for entry, value in found.items() if 0 < value < _SINGLE}
+
+
+def time_code(frame: int, rate: float) -> TimeCode | None:
+    """SMPTE's time code of a frame counted from 0; None where it has none."""
+    whole = round(rate) if isfinite(rate) else 0
+    if frame < 0 or not 1 <= whole <= 99 or abs(rate - whole) > 0.1:
+        return None
+    seconds, frames = divmod(frame, whole)
+    minutes, seconds = divmod(seconds, 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours > 23:
+        return None
+    return TimeCode(int(f"{hours:02d}{minutes:02d}{seconds:02d}{frames:02d}", 16))
 
 
 def _number(camera: CameraState, attribute: str) -> float:

@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from irt_usd.aovs import AOVS, BEAUTY_SOURCES
+from irt_usd.aovs import BEAUTY_SOURCES, SURFACE_AOVS
 from irt_usd.errors import InputError
 from irt_usd.report import Report
 from irt_usd.shot.frames import format_frame
@@ -70,24 +70,34 @@ def view_aovs(view: View, settings: TraceSettings) -> tuple[str, ...]:
     return tuple(_layers(view))
 
 
+def every_aov(views: Sequence[View]) -> tuple[str, ...]:
+    """All that show what is seen: those of fixed names, and what the views' products ask for."""
+    asked = (name for view in views for name in _layers(view) if not name.startswith("irt."))
+    return tuple(dict.fromkeys((*SURFACE_AOVS, *asked)))
+
+
 def view_layers(view: View, settings: TraceSettings) -> dict[str, str]:
-    """EXR layers of the AOVs that a product's vars name, where it is they that ask for them."""
-    return _layers(view) if settings.aovs is None else {}
+    """EXR layers of AOVs, where they are not called as the AOVs are."""
+    return dict(settings.layers) if settings.aovs is not None else _layers(view)
 
 
 def _layers(view: View) -> dict[str, str]:
     found: dict[str, str] = {}
     for variable in view.product.variables:
-        if variable.source in AOVS and variable.source_type != "primvar":
-            found.setdefault(variable.source, variable.layer)
+        if variable.aov:
+            found.setdefault(variable.aov, variable.layer)
     return found
 
 
 def report_variables(views: Sequence[View], report: Report) -> None:
     """Reports render vars that nothing is written of."""
     for view in views:
+        layers: dict[str, str] = {}
         for variable in view.product.variables:
-            known = variable.source in AOVS or variable.source in BEAUTY_SOURCES
-            if not known or variable.source_type in ("primvar", "lpe"):
+            beauty = variable.source in BEAUTY_SOURCES and variable.source_type == "raw"
+            if not variable.aov and not beauty:
                 kind = f"render vars of {variable.source_type} source '{variable.source}'"
                 report.unsupported(kind, variable.path)
+            elif variable.aov and layers.setdefault(variable.aov, variable.layer) != variable.layer:
+                message = f"a render var that asks for what is in layer {layers[variable.aov]}"
+                report.skipped(message, variable.path)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irt_usd import interrupt
+from irt_usd.aovs import MOTION
 from irt_usd.images.exr import Film, PixelType, write_exr
 from irt_usd.images.preview import DisplayView
 from irt_usd.report import Notice, Report
@@ -55,6 +56,8 @@ class OutputOptions:
 
     cells: tuple[int, ...] | None = None
     """Those that are rendered, into partial frames; None: all, into whole ones."""
+    sidecar: bool = False
+    """Whether each frame gets a JSON file of what it took (shot/sidecar.py)."""
 
 
 def render_shot(
@@ -63,8 +66,8 @@ def render_shot(
     settings: TraceSettings,
     output: OutputOptions,
     progress: ShotProgress,
-) -> None:
-    """Renders `frames` of the shot into `output.paths`.
+) -> list[dict[str, Any]]:
+    """Renders `frames` of the shot into `output.paths`; returns their statistics.
 
     However it ends, the frames traced by then are written whole, and the statistics tell of
     those. Raises InputError, MachineError and RefusedError.
@@ -76,7 +79,7 @@ def render_shot(
     if output.checkpoint is not None:
         keeper = Keeper(output.checkpoint, shot, settings, output.items(frames), progress.message)
     with keeper.running() if keeper is not None else nullcontext():
-        _render_frames(shot, frames, settings, output, progress, tracer, keeper)
+        return _render_frames(shot, frames, settings, output, progress, tracer, keeper)
 
 
 def _render_frames(
@@ -87,7 +90,7 @@ def _render_frames(
     progress: ShotProgress,
     tracer: ShotTracer,
     keeper: "Keeper | None",
-) -> None:
+) -> list[dict[str, Any]]:
     views = range(len(shot.views))
     common = [shot_metadata(shot, settings, view) for view in views]
     kept: set[Frame] = set()
@@ -132,14 +135,15 @@ def _render_frames(
                 for view, path in zip(views, paths, strict=True):
                     # The film of an unchanged frame is written again as it is.
                     if not (traced.unchanged(view) and view in films) or any(
-                        name.startswith("irt.") for name in tracer.aovs(view)
+                        name.startswith("irt.") or name in MOTION for name in tracer.aovs(view)
                     ):
                         films[view] = tracer.film(view)
                     camera = traced.snapshot.cameras[view]
-                    metadata = common[view] | frame_metadata(frame, camera)
+                    metadata = common[view] | frame_metadata(shot, frame, camera)
                     stats = _frame_stats(shot, traced, view, path, output.history)
+                    threads = settings.threads if output.sidecar else None
                     film, kind = films[view], output.pixel_type
-                    job = FrameJob(path, film, metadata, kind, stats, output.preview)
+                    job = FrameJob(path, film, metadata, kind, stats, output.preview, threads)
                     writer.submit(job)
                 written.take(writer)
                 last = frame
@@ -156,6 +160,7 @@ def _render_frames(
             write_stats(output.stats, written.stats if keeper is None else keeper.stats)
     if keeper is not None and last is not None:
         keeper.finish(last, tracer)
+    return written.stats
 
 
 def _finish_writing(writer: FrameWriter, written: "_Written") -> None:

@@ -145,6 +145,7 @@ def _reading(options: ShotOptions) -> ReadOptions:
         lock_camera=float(options.lock_camera) if options.lock_camera is not None else None,
         dome_samples=options.dome_samples,
         render_pass=options.render_pass,
+        aovs=options.aovs,
     )
 
 

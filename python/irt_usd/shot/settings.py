@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
-from irt_usd.aovs import AOVS
+from irt_usd.aovs import AOVS, aov
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.memory import free_memory
@@ -47,6 +47,8 @@ class ShotOptions:
     lock_camera: Decimal | None = None
     dome_samples: int = 32
     render_pass: str | None = None
+    aovs: tuple[str, ...] = ()
+    """Those asked for: some need more of the stage than its picture does."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,16 @@ class TraceSettings:
     mirror_roughness: float = 0.1
     aovs: tuple[str, ...] | None = None
     """None: those that the render settings' products ask for."""
+    layers: tuple[tuple[str, str], ...] = ()
+    """AOVs, and the names of their EXR layers, where they have names of their own."""
     isa: str = "avx2"
     threads: int = 0
+
+
+def _channels(name: str) -> int:
+    """Of an AOV, at most."""
+    wanted = aov(name)
+    return 12 if wanted.kind == "cryptomatte" else max(1, len(wanted.letters))
 
 
 def check_film_size(size: tuple[int, int], aovs: Sequence[str]) -> None:
@@ -70,7 +80,7 @@ def check_film_size(size: tuple[int, int], aovs: Sequence[str]) -> None:
         raise InputError(
             f"--size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels; write 960x540"
         )
-    pixel_bytes = 4 * (4 + sum(max(1, len(AOVS[name].letters)) for name in aovs)) * _FILM_COPIES
+    pixel_bytes = 4 * (4 + sum(map(_channels, aovs))) * _FILM_COPIES
     needed = width * height * pixel_bytes
     free = free_memory()
     if needed > free:

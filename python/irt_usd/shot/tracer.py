@@ -4,29 +4,33 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irt_usd import _core, interrupt
-from irt_usd.aovs import sources
+from irt_usd.aovs import MOTION, aov, beauty_parts, sources
 from irt_usd.changes import ChangeList, diff, whole_changes
 from irt_usd.errors import InputError, MachineError
 from irt_usd.images.aovs import Plane, derived, exposed
+from irt_usd.images.cryptomatte import manifest
 from irt_usd.images.exr import Film
 from irt_usd.shot.foresight import foresee
 from irt_usd.shot.frames import Frame, format_frame
 from irt_usd.shot.products import view_aovs, view_layers
 from irt_usd.shot.session import Shot
 from irt_usd.shot.settings import TraceSettings
-from irt_usd.stage import Snapshot
+from irt_usd.stage import ShotReader, Snapshot
 
 if TYPE_CHECKING:
     from irt_usd.checkpoint.container import Container
 
 History = Literal["shot", "any", "none"]
 """What histories are kept for: the changes that the shot itself makes, any change, or none."""
+
+_SHADOW = "the shadow of something transparent"
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,9 @@ class ShotTracer:
         self._retaking = False
         self.foreign = False
         """Whether the history is kept for another version's changes."""
+        self._neighbours: ShotReader | None = None
+        self._changes: ChangeList | None = None
+        self._restarts: list[str] = []
 
     def trace(
         self, frame: Frame, on_progress: Callable[[float], None] | None = None
@@ -101,7 +108,14 @@ class ShotTracer:
         for view in range(len(self._shot.views)):
             if "irt.age" in self.aovs(view):
                 self._ages[view] = self._age(view)
-        self._previous = snapshot
+        self._previous, self._changes = snapshot, changes
+        everything = "the first frame" if previous is None else ""
+        self._restarts = [
+            everything
+            or (changes.cause(snapshot.cameras[v].path) if changes.cameras[v] else "")
+            or str(u["restart"] or "")
+            for v, u in enumerate((update, *update["more_views"]))
+        ]
         seconds = {
             "usd": read - start,
             "diff": compared - read,
@@ -120,15 +134,59 @@ class ShotTracer:
         def plane(name: str) -> Plane:
             return self.renderer.aov(name, view)
 
-        aovs = {
-            name: self._ages[view]
-            if name == "irt.age"
-            else derived(name, plane, camera.world_from_camera)
-            for name in self.aovs(view)
-        }
+        aovs: dict[str, Plane] = {}
+        causes: Sequence[str] = ()
+        for name in self.aovs(view):
+            if name == "irt.age":
+                aovs[name] = self._ages[view]
+            elif name == "irt.cause":
+                aovs[name], causes = self._causes(view)
+            elif name in MOTION:
+                aovs[name] = self._motion(view, MOTION[name])
+            else:
+                aovs[name] = derived(name, plane, camera.world_from_camera, camera.exposure)
         beauty = exposed(self.renderer.beauty(view), camera.exposure)
         layers = view_layers(self._shot.views[view], self._settings)
-        return Film(beauty.copy(), aovs, framing.start, framing.frame, layers)
+        manifests = {
+            name: manifest(plane(name).view(np.uint32), partial(self.renderer.names, name))
+            for name in aovs
+            if aov(name).kind == "cryptomatte"
+        }
+        return Film(beauty.copy(), aovs, framing.start, framing.frame, layers, manifests, causes)
+
+    def _motion(self, view: int, step: int) -> NDArray[np.float32]:
+        """How far each pixel's point is elsewhere `step` frames from here, in pixels."""
+        if self._neighbours is None:
+            self._neighbours = self._shot.reread()
+        assert self._previous is not None
+        time = self._previous.time
+        here = self._neighbours.read(time)
+        try:
+            there = self._neighbours.read(time + step)
+        except InputError as error:
+            self._shot.report.mentioned(
+                f"no motion is known: the frame beside cannot be read: {error}", f"{time + step:g}"
+            )
+            there = here
+        changes = diff(here, there)
+        camera = there.cameras[view].core() if changes.cameras[view] else None
+        return self.renderer.motion(changes.moved, camera, view)
+
+    def _causes(self, view: int) -> tuple[NDArray[np.float32], Sequence[str]]:
+        """By pixel 0 or the number, from 1, of what changed it, and what the numbers stand for."""
+        codes = self.renderer.aov("irt.cause", view)
+        named = {int(code): self._cause(int(code), view) for code in np.unique(codes) if code != 0}
+        texts = sorted(set(named.values()))
+        numbers = np.zeros(codes.shape, np.float32)
+        for code, text in named.items():
+            numbers[codes == code] = texts.index(text) + 1
+        return numbers, texts
+
+    def _cause(self, code: int, view: int) -> str:
+        name = self.renderer.cause_name(code)
+        if name:
+            return self._changes.cause(name) if self._changes is not None else name
+        return self._restarts[view] or _SHADOW
 
     @property
     def scene(self) -> Snapshot:
@@ -280,6 +338,7 @@ class ShotTracer:
             aovs=sources(self.aovs(view)),
             start=framing.start,
             frame=framing.frame,
+            parts=beauty_parts(self.aovs(view)),
         )
 
     def _next_can_use_history(self, frame: Frame, view: int) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irt_usd.aovs import AOVS, sources
+from irt_usd.aovs import aov, beauty_parts, sources
 from irt_usd.images.exr import Film
 from irt_usd.shot.frames import Frame, count_frames, format_frame
 from irt_usd.shot.products import product_label
@@ -222,8 +222,8 @@ def _channels(a: Film, b: Film) -> Iterator[tuple[str, NDArray[Any], NDArray[Any
         if plane.ndim == 2:
             yield name, plane, other
         else:
-            for index, letter in enumerate(AOVS[name].letters):
-                yield f"{name}.{letter}", plane[..., index], other[..., index]
+            for index, channel in enumerate(aov(name).channels(name, plane.shape[2])):
+                yield channel, plane[..., index], other[..., index]
 
 
 def _bits(plane: NDArray[Any]) -> NDArray[np.uint32]:
@@ -243,7 +243,10 @@ def _brute_force_differing(
     beauty = tracer.renderer.beauty(view)
     planes = {
         name: tracer.renderer.aov(name, view)
-        for name in sources(tracer.aovs(view))
+        for name in (
+            *sources(tracer.aovs(view)),
+            *(part[0] for part in beauty_parts(tracer.aovs(view))),
+        )
         if not name.startswith("irt.")
     }
     height, width = beauty.shape[:2]

@@ -12,6 +12,7 @@ from irt_usd import _core
 from irt_usd.images.exr import Film, MetadataValue, PixelFaults, PixelType, write_exr
 from irt_usd.images.png import write_png
 from irt_usd.images.preview import DisplayView
+from irt_usd.shot.sidecar import write_sidecar
 from irt_usd.shot.stats import FrameStats
 
 _QUEUE_LENGTH = 2
@@ -29,6 +30,8 @@ class FrameJob:
     stats: FrameStats
     preview: DisplayView | None = None
     """How a PNG beside the frame shows it; None: there is none."""
+    sidecar_threads: int | None = None
+    """The thread count that a sidecar tells; None: there is none."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,8 @@ class FrameWriter:
         job.stats.seconds["write"] = seconds
         job.stats.seconds["total"] += seconds
         job.stats.non_finite_pixels = faults.non_finite
+        if job.sidecar_threads is not None:
+            write_sidecar(job.path, job.stats, job.sidecar_threads)
         self._written.put(WrittenFrame(job, faults, hashed))
 
 

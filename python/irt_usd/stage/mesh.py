@@ -54,10 +54,12 @@ class MeshShape(Shape):
         primvars: Mapping[str, PrimvarValue] = MappingProxyType({}),
         faces: NDArray[np.int32] | None = None,
         face_materials: tuple[str, ...] = (),
+        elements: NDArray[np.int32] | None = None,
     ) -> None:
         self.attributes = {**attributes, **primvar_attributes(primvars)}
         self._primvars = primvars
         self._faces = faces
+        self._elements = elements
         self.face_materials = face_materials
         self.extent = extent
         """The largest absolute coordinate."""
@@ -79,6 +81,7 @@ class MeshShape(Shape):
                 single_sided=values["doubleSided"] is False,
                 primvars={name: primvar.core for name, primvar in self._primvars.items()},
                 face_materials=self._faces,
+                elements=self._elements,
             )
         return self._geometry
 
@@ -102,10 +105,12 @@ class MeshSource:
         skin: Deformation | None = None,
         level: int = 0,
         subsets: Sequence[tuple[Usd.Prim, str]] = (),
+        name_elements: bool = False,
     ) -> None:
         """Cuts the faces of a subdivision mesh `level` times.
 
-        `subsets`: those that bind materials, and the names of these.
+        `subsets`: those that bind materials, and the names of these. `name_elements`: whether the
+        core is told which authored face each of its faces is of, where it has others.
         """
         self._report = report
         self._skin = skin
@@ -119,7 +124,8 @@ class MeshSource:
         self._topology: Topology | None = None
         self._first = True
         self._faces = FaceMaterials(subsets, report) if subsets else None
-        self._subdivision = Subdivision(level)
+        self._subdivision = Subdivision(level, name_elements)
+        self._name_elements = name_elements
 
     @property
     def varies(self) -> bool:
@@ -190,6 +196,7 @@ class MeshSource:
             {name: _without_holes(value, topology) for name, value in primvars.items()},
             faces,
             self._faces.names if self._faces is not None and faces is not None else (),
+            self._elements(topology),
         )
         if smooth:
             left_out, refusal = made.subdivide(self._subdivision)
@@ -203,6 +210,13 @@ class MeshSource:
             if not self.varies:
                 self._subdivision.forget()
         return made
+
+    def _elements(self, topology: Topology) -> NDArray[np.int32] | None:
+        """The authored face of each of the core's, where these are others."""
+        kept = topology.kept("uniform")
+        if not self._name_elements or self._subdivided or kept is None:
+            return None
+        return np.flatnonzero(kept).astype(np.int32)
 
     @property
     def _subdivided(self) -> bool:

@@ -9,6 +9,7 @@ from typing import Protocol, TypeVar
 
 from pxr import Usd, UsdGeom, UsdShade
 
+from irt_usd.aovs import primvar_of
 from irt_usd.choices import MissingAsset
 from irt_usd.errors import InputError
 from irt_usd.images.textures import TextureLibrary
@@ -65,10 +66,11 @@ class ReadOptions:
     `views`: what a reader of the same shot made of all that. `purposes`: which of UsdGeom's are
     rendered; None: the render settings', or default and render. `camera_light`: whether a stage
     without a light that irt renders gets one at the first view's camera. `dome_samples`: directions
-    that a dome lights from. `missing_asset`: what becomes of a shot whose files are not all there.
-    `render_pass`: the RenderPass (a path or a bare name) whose settings and collections hold.
-    `level`: how often faces of subdivision meshes are cut. `texture_memory`: bytes that textures
-    may take. `textures`: another source than the files that the stage names.
+    that a dome lights from. `aovs`: those asked for beside the products' vars. `missing_asset`:
+    what becomes of a shot whose files are not all there. `render_pass`: the RenderPass (a path or a
+    bare name) whose settings and collections hold. `level`: how often faces of subdivision meshes
+    are cut. `texture_memory`: bytes that textures may take. `textures`: another source than the
+    files that the stage names.
     """
 
     camera: str | None = None
@@ -83,6 +85,7 @@ class ReadOptions:
     data_window: tuple[float, float, float, float] | None = None
     lock_camera: float | None = None
     dome_samples: int = DOME_SAMPLES
+    aovs: tuple[str, ...] = ()
     views: tuple[View, ...] | None = None
     render_pass: str | None = None
 
@@ -167,6 +170,10 @@ class ShotReader:
         self._materials = MaterialSet(self._stage, colors, self.textures, self._report)
         self._level = options.level
         self._skins = Skins(self._hierarchy, self._report)
+        variables = (v.aov for view in self.views for v in view.product.variables)
+        aovs = {*options.aovs, *variables}
+        self._primvars = frozenset(filter(None, map(primvar_of, aovs)))
+        self._name_elements = "elementId" in aovs
         self._shared: dict[tuple[str, ...], _Worn] = {}
         self._prototypes: dict[str, PrototypeSource | None] = {}
         self._given: frozenset[str] | None = None
@@ -346,7 +353,7 @@ class ShotReader:
             if key in self._shared:
                 return self._shared[key]
         name, wanted = self._materials.worn(node, material, given)
-        wanted |= read
+        wanted |= read | self._primvars
         make = partial(self._shape_source, node, wanted, skin, subsets)
         worn = name, wanted, attempt(make, node.prim, self._report)
         if key:
@@ -377,7 +384,9 @@ class ShotReader:
         kind = str(node.prim.GetTypeName())
         deformed = skin.deformation if skin is not None else None
         if kind == "Mesh":
-            return MeshSource(node, self._report, wanted, deformed, self._level, subsets)
+            return MeshSource(
+                node, self._report, wanted, deformed, self._level, subsets, self._name_elements
+            )
         if kind == "Points":
             return PointsSource(node, self._report, wanted, deformed)
         if kind == "BasisCurves":

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdRender
 
-from irt_usd.aovs import BEAUTY_SOURCES
+from irt_usd.aovs import ALIASES, BEAUTY_SOURCES, LPE, PRIMVARS, is_aov, primvar_aov
 from irt_usd.choices import PURPOSES as ALL_PURPOSES
 from irt_usd.errors import InputError
 from irt_usd.report import Report
@@ -51,6 +51,18 @@ class RenderVar:
     data_type: str
     layer: str
     """Name of its EXR layer."""
+
+    @property
+    def aov(self) -> str:
+        """The AOV that it asks for; empty where there is none of that kind."""
+        if self.source_type == "lpe" or self.source.startswith(LPE):
+            name = LPE + self.source.removeprefix("color ").removeprefix(LPE)
+            return name if is_aov(name) else ""
+        primvar = self.source.removeprefix(PRIMVARS)
+        if self.source_type == "primvar" or primvar != self.source:
+            return primvar_aov(primvar, self.data_type)
+        name = ALIASES.get(self.source, self.source)
+        return name if is_aov(name) else ""
 
 
 @dataclass(frozen=True)

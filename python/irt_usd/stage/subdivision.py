@@ -24,9 +24,10 @@ NAMES = ("subdivisionScheme", *_TOKENS, *_INTEGERS, *_FLOATS)
 class Subdivision:
     """Cuts one mesh's faces `level` times. What topology alone decides is done once."""
 
-    def __init__(self, level: int) -> None:
+    def __init__(self, level: int, name_elements: bool = False) -> None:
         self._level = level
         self._rules: dict[str, Value] = {}
+        self._name_elements = name_elements
         self._subdivider: _core.Subdivider | None = None
 
     def refine(
@@ -44,7 +45,7 @@ class Subdivision:
             if self._subdivider is None or not all(
                 same_bits(value, self._rules[name]) for name, value in rules.items()
             ):
-                self._subdivider = _subdivider(rules, self._level)
+                self._subdivider = _subdivider(rules, self._level, self._name_elements)
                 self._rules = rules
             refined = self._subdivider.refine(cage)
             return refined, self._subdivider.left_out, None
@@ -54,6 +55,7 @@ class Subdivision:
                 scheme=str(values["subdivisionScheme"]),
                 level=0,
                 hole_indices=_integers("holeIndices", rules),
+                name_elements=self._name_elements,
             )
             return plain.refine(cage), (), str(fault)
 
@@ -62,7 +64,7 @@ class Subdivision:
         self._subdivider = None
 
 
-def _subdivider(rules: Mapping[str, Value], level: int) -> "_core.Subdivider":
+def _subdivider(rules: Mapping[str, Value], level: int, name_elements: bool) -> "_core.Subdivider":
     from irt_usd import _core
 
     return _core.Subdivider(
@@ -77,6 +79,7 @@ def _subdivider(rules: Mapping[str, Value], level: int) -> "_core.Subdivider":
         corner_indices=_integers("cornerIndices", rules),
         corner_sharpnesses=_floats("cornerSharpnesses", rules),
         hole_indices=_integers("holeIndices", rules),
+        name_elements=name_elements,
     )
 
 
