@@ -76,7 +76,7 @@ std::vector<UpdateReport> Renderer::update(const ChangeSet& changes,
     scene.first = !committed_;
     scene.old_lights = scene_.lights();
     scene.applied = scene_.apply(changes);
-    changed_lights_ = scene.applied.lights;
+    if (!scene.applied.empty()) changed_lights_ = scene.applied.lights;
     reports[0].apply_seconds = watch.lap();
 
     // Whatever throws from here on leaves films to be made anew, and the trees to catch up.
