@@ -143,8 +143,8 @@ class Renderer {
     trace::Intersector intersector_;
     std::vector<std::unique_ptr<ViewState>> views_;
     SceneUpdate missed_;  ///< the last update that changed the scene, where a view was left out
-    std::vector<std::uint32_t> uncommitted_;  ///< object slots the trees have not taken up yet
-    bool committed_ = false;                  ///< the trees have been built
+    std::vector<std::uint32_t> uncommitted_;   ///< object slots the trees have not taken up yet
+    bool committed_ = false;                   ///< the trees have been built
     std::vector<std::string> changed_lights_;  ///< by the last update
     std::atomic<bool> updating_ = false;
 };
