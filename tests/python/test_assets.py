@@ -44,7 +44,6 @@ EXPECTED: dict[str, list[str]] = {
     "pointsTypes": [r"the points are no array of 3-vectors", r"empty mesh"],
     "weird_matrix_transform": [r"the transform is projective"],
     "TextureFileFormatTests/_scene": [r"without a file, its fallback rendered"],
-    "McUsd": [r"inputs:texture:file of lights"],
 }
 """By a part of a layer's path, what is said of layers that are wrong, or of what is to come."""
 
