@@ -53,10 +53,10 @@ def test_places_that_doubles_round(row: NewRow) -> None:
     seen = row("10^10 from the origin, against a scene rounded alike", "share of pixels", 1e-4)
     step = 2.0**-19
     here = apart()
-    for name, (shape, matrix, material) in here.objects.items():
+    for name, (shape, matrix, *rest) in here.objects.items():
         rounded = np.array(matrix, float)
         rounded[3, :3] = np.round(rounded[3, :3] / step) * step
-        here.objects[name] = (shape, rounded, material)
+        here.objects[name] = (shape, rounded, *rest)
     offset = np.array((1e10, -1e10, 1e10))
     there = views.transformed(here, 1.0, offset)
     films = views.film(here, SIZE), views.film(there, SIZE, views.camera(offset))

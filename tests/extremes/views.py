@@ -35,8 +35,8 @@ def transformed(state: scenes.State, scale: float = 1.0, offset: Any = (0, 0, 0)
     larger = np.diag([scale, scale, scale, 1.0])
     larger[3, :3] = offset
     other = scenes.State(materials=dict(state.materials))
-    for name, (shape, matrix, material) in state.objects.items():
-        other.objects[name] = (shape, np.array(matrix, float) @ larger, material)
+    for name, (shape, matrix, *rest) in state.objects.items():
+        other.objects[name] = (shape, np.array(matrix, float) @ larger, *rest)
     for name, light in state.lights.items():
         if light[0] == "point":
             position = tuple(np.array(light[1]) * scale + offset)
@@ -106,8 +106,6 @@ def update_differs(state: scenes.State, edits: list[scenes.Edit], **options: Any
         return float("nan")
     differing = np.any(films[0].view(np.uint32) != films[1].view(np.uint32), axis=-1)
     for name in scenes.AOVS:
-        values = (np.ascontiguousarray(r.aov(name)).view(np.uint32) for r in (updated, judge))
-        one, two = values
-        unequal = one != two
-        differing |= unequal if unequal.ndim == 2 else unequal.any(axis=-1)
+        one, two = (np.ascontiguousarray(r.aov(name)).view(np.uint8) for r in (updated, judge))
+        differing |= (one != two).reshape(*differing.shape, -1).any(axis=-1)
     return float(differing.mean())
